@@ -127,6 +127,7 @@ def _error(case: Case, stated: Detection, found: Detection) -> float:
         stated.T_world_part,
         found.T_world_part,
         roll_known=stated.roll_known and found.roll_known,
+        roll_axis=stated.roll_axis if found.roll_known else found.roll_axis,
     )
     return max(distance / NEAR, turn / TURNED)
 

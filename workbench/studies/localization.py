@@ -236,6 +236,7 @@ def compare(
                 truth[k].T_world_part,
                 detection.T_world_part,
                 roll_known=detection.roll_known,
+                roll_axis=detection.roll_axis,
             )
             for k in left
             if truth[k].part == kind.name
@@ -273,6 +274,7 @@ def _squared_error(part: Part, true: Detection, found: Detection) -> tuple[float
         found.T_world_part,
         found.covariance,
         roll_known=found.roll_known,
+        roll_axis=found.roll_axis,
     )
 
 

@@ -131,7 +131,13 @@ def grip_part(case: Case) -> list[Gripped]:
     scan = synthesize(cell, fallen, seed=case.seed, noise=BUILDS[case.build].noise)
     part, true = cell.part(fallen[0].part), fallen[0].T_world_part
     for found in find_parts(cell, {"scan": scan, "seed": case.seed}, silent, never).detections:
-        far, turn = pose_error(part, true, found.T_world_part, roll_known=found.roll_known)
+        far, turn = pose_error(
+            part,
+            true,
+            found.T_world_part,
+            roll_known=found.roll_known,
+            roll_axis=found.roll_axis,
+        )
         if far <= NEAR and turn <= TOO_FAR and found.covariance is not None:
             covariance = found.covariance * case.wider**2
             lying = replace(found, T_world_part=true, covariance=covariance)

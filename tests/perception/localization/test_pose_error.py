@@ -115,3 +115,22 @@ def test_what_no_turn_explains_is_an_error():
     # About the wrong point a half turn moves the part.
     flip = pin.SE3(np.diag([1.0, -1.0, -1.0]), np.zeros(3))
     assert pose_error(part(TUBE), pin.SE3.Identity(), flip)[0] == pytest.approx(0.06)
+
+
+def test_an_unknown_roll_is_about_the_axis_that_the_scan_left_open():
+    """A pulley whose set screws give it half a turn across its axis, which alone is stated."""
+    kind = part(Symmetry(Y, 2))
+    axis = np.array([np.zeros(3), X])
+    roll = pin.SE3(pin.exp3(1.1 * X), np.zeros(3))
+    flip = pin.SE3(pin.exp3(np.pi * Y), np.zeros(3))
+    here = pin.SE3.Identity()
+    for T in (roll, flip, roll * flip, flip * roll):
+        for errors in (
+            pose_error(kind, here, T, roll_known=False, roll_axis=axis),
+            pose_error(part(Symmetry()), here, roll, roll_known=False, roll_axis=axis),
+        ):
+            assert errors == (pytest.approx(0.0, abs=1e-9), pytest.approx(0.0, abs=1e-9))
+    assert pose_error(kind, here, roll)[1] == pytest.approx(1.1)
+    assert pose_error(part(Symmetry()), here, flip, roll_known=False, roll_axis=axis)[1] > 3.0
+    tilted = pin.SE3(pin.exp3(0.2 * Y), np.zeros(3))
+    assert pose_error(kind, here, tilted, roll_known=False, roll_axis=axis)[1] == pytest.approx(0.2)

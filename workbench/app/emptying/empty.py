@@ -347,7 +347,7 @@ def _carry_out(
     picks: list[FilmedPick] = []
     for arm_plan in in_turn(plan):
         truth = [detection for _, detection in lying]
-        taking = carried_out(cell, truth, arm_plan, plan.detections[arm_plan.detection].part)
+        taking = carried_out(cell, truth, arm_plan, plan.detections[arm_plan.detection])
         tally.touches += taking.touches
         if plan.goes_unseen:
             tally.warned_picks += 1

@@ -52,15 +52,18 @@ def in_turn(plan: Plan) -> Iterator[ArmPlan]:
                 yield plan.arm(arm)
 
 
-def carried_out(cell: Cell, truth: Sequence[Detection], arm_plan: ArmPlan, part: str) -> Taking:
+def carried_out(
+    cell: Cell, truth: Sequence[Detection], arm_plan: ArmPlan, meant: Detection
+) -> Taking:
     """One arm's part of a plan in the bin as it truly is.
 
     Args:
         cell: that the plan was made for.
         truth: how the parts lie as the arm begins.
         arm_plan: what it does.
-        part: the kind of part that it goes to.
+        meant: the part that it goes to, as it was found.
     """
+    part = meant.part
     world = World(cell, tuple(truth), policy=_without_margins(cell))
     chain = world.chains[arm_plan.arm]
     q_grasp = np.asarray(arm_plan.leg("approach").q[-1])
@@ -87,7 +90,9 @@ def carried_out(cell: Cell, truth: Sequence[Detection], arm_plan: ArmPlan, part:
     touches += _meets(world, arm_plan, "extract", lifts)
     way = tuple(chain.pose(q) * T_tcp_part for q in np.asarray(extract.q))
     T_world_part, lies = T_world_tcp * arm_plan.T_tcp_part, truth[number].T_world_part
-    distance, turn = pose_error(cell.part(part), lies, T_world_part, roll_known=False)
+    distance, turn = pose_error(
+        cell.part(part), lies, T_world_part, roll_known=False, roll_axis=meant.roll_axis
+    )
     is_turned = not is_straight and distance <= NEAR and turn <= TURNED
     is_held = is_turned and _is_held(cell, part, arm_plan, T_tcp_part)
     slips = (is_straight or is_held) and _slips(cell, part, arm_plan, T_tcp_part)

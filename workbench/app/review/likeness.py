@@ -143,7 +143,11 @@ def _parts(cell: Cell, kept: tuple[Detection, ...], again: tuple[Detection, ...]
 def _pose_error(cell: Cell, detection: Detection, other: Detection) -> tuple[float, float]:
     roll_known = detection.roll_known and other.roll_known
     return pose_error(
-        cell.part(detection.part), detection.T_world_part, other.T_world_part, roll_known=roll_known
+        cell.part(detection.part),
+        detection.T_world_part,
+        other.T_world_part,
+        roll_known=roll_known,
+        roll_axis=detection.roll_axis if other.roll_known else other.roll_axis,
     )
 
 

@@ -7,14 +7,19 @@ import pinocchio as pin
 
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
-from workbench.model.symmetry import BALL, NONE
+from workbench.model.symmetry import BALL, NONE, SAME, Symmetry, SymmetryAxis
 
 FINE_STEPS = 315
 """Turns that stand for any angle, as many as in `bop_toolkit`: arcs of 1 % of a diameter."""
 
 
 def pose_error(
-    part: Part, T_world_true: pin.SE3, T_world_found: pin.SE3, *, roll_known: bool = True
+    part: Part,
+    T_world_true: pin.SE3,
+    T_world_found: pin.SE3,
+    *,
+    roll_known: bool = True,
+    roll_axis: Floats | None = None,
 ) -> tuple[float, float]:
     """Distance of the middle [m] and turn [rad] between two poses, under the stated symmetry.
 
@@ -25,12 +30,12 @@ def pose_error(
         part: whose poses; its symmetry says which of them are one.
         T_world_true: one pose.
         T_world_found: the other one.
-        roll_known: False leaves the angle about the part's axis out.
+        roll_known: False leaves the angle about an axis out.
+        roll_axis: (2, 3) that axis, a point [m] and a unit direction, as `Detection` has it; None:
+            that of the symmetry.
     """
     T = T_world_true.actInv(T_world_found)
-    symmetry = part.symmetry
-    if symmetry.form == NONE and not roll_known:
-        symmetry = replace(symmetry, fold=0)
+    symmetry = part.symmetry if roll_known else without_roll(part.symmetry, roll_axis)
     middle = symmetry.invariant_point(
         (part.mesh.points.min(axis=0) + part.mesh.points.max(axis=0)) / 2
     )
@@ -53,6 +58,23 @@ def pose_error(
     return float(np.linalg.norm(T.act(middle) - middle)), min(tilts)
 
 
+def without_roll(symmetry: Symmetry, roll_axis: Floats | None) -> Symmetry:
+    """A symmetry joined by any turn about an axis (2, 3), see `pose_error`."""
+    if symmetry.form != NONE:
+        return symmetry
+    if roll_axis is None:
+        return replace(symmetry, fold=0)
+    point, along = roll_axis
+    flips = [
+        axis.axis
+        for axis in symmetry.axes
+        if axis.fold % 2 == 0 and abs(float(axis.axis @ along)) < np.sin(SAME)
+    ]
+    if not flips:
+        return Symmetry(along, 0, tuple(point))
+    return Symmetry(along, 0, symmetry.point, (SymmetryAxis(flips[0], 2),))
+
+
 def mahalanobis_squared(
     part: Part,
     T_world_true: pin.SE3,
@@ -60,6 +82,7 @@ def mahalanobis_squared(
     covariance: Floats,
     *,
     roll_known: bool = True,
+    roll_axis: Floats | None = None,
 ) -> tuple[float, int]:
     """The squared Mahalanobis distance of a pose from the truth; no unit.
 
@@ -72,9 +95,7 @@ def mahalanobis_squared(
         The squared error, and its degrees of freedom: where any turn about an axis changes nothing
         there is one unknown less, of a ball there are three.
     """
-    symmetry = part.symmetry
-    if symmetry.form == NONE and not roll_known:
-        symmetry = replace(symmetry, fold=0)
+    symmetry = part.symmetry if roll_known else without_roll(part.symmetry, roll_axis)
     if symmetry.form == BALL:
         point = np.array(symmetry.point)
         arm = T_world_found.rotation @ point
