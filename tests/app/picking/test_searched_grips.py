@@ -124,3 +124,13 @@ def test_a_cup_is_put_where_no_library_says():
     result = plan_pick(cell, (Detection("puck", T),), "scan", seed=3)
     assert result.proof is not None and result.proof.holds
     assert result.plan.arms[0].found is not None
+
+
+def test_without_a_plan_the_candidates_of_all_levels_are_shown(pile):
+    cell = read_cell("yumi")
+    usual = replace(cell.parts[0].library.grasps[0], name="usual", is_enabled=False)
+    spare = replace(usual, name="spare", priority=-1)
+    off = with_library(cell, GraspLibrary((usual, spare), searches=False))
+    found = plan_pick(off, pile, "scan", seed=3)
+    assert found.plan is None
+    assert {each.grasp.name.partition("@")[0] for each in found.candidates} == {"usual", "spare"}

@@ -125,12 +125,12 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
         world = World(cell, detections, obstacles, searching_policy(policy))
         found = _plan(world, scene, asked, _after(result), levels, tries=PROVEN_TRIES)
         found = replace(found, candidates=(*result.candidates, *found.candidates))
-        result = _better(result, found) if result.candidates else found
+        result = _better(result, found)
     if result.plan is None and may_widen(cell, policy, result.candidates):
         asked = replace(asked, report=within(report, SEARCHED, 1.0))
         world = World(cell, detections, obstacles, widened(policy))
         wider = _plan(world, scene, asked, _after(result), _library_levels(cell))
-        result = _better(result, wider)
+        result = result if wider.plan is None else _better(result, wider)
     return result
 
 
@@ -242,9 +242,8 @@ def _holds(result: PlanResult) -> bool:
 
 
 def _better(result: PlanResult, later: PlanResult) -> PlanResult:
-    """What holds, or else what has a plan at all; the earlier one where they are alike."""
-    is_later = _holds(later) or (result.plan is None and later.plan is not None)
-    return later if is_later and not _holds(result) else result
+    """What holds, or else the first that has a plan, or else the last: it has all candidates."""
+    return later if result.plan is None or (_holds(later) and not _holds(result)) else result
 
 
 @dataclass(slots=True)
