@@ -8,7 +8,8 @@ from types import SimpleNamespace
 import pytest
 from numba.core import event
 
-from workbench.app.picking import pipeline as pick
+from workbench.app.picking import judging
+from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason
 from workbench.perception.simulation.piles import drop_parts
@@ -85,11 +86,11 @@ def test_a_plan_is_late_by_what_it_does_and_not_by_what_is_compiled(
             wall.seconds += LONG
         return quick(*args, **kwargs)
 
-    quick = pick.resolve
-    monkeypatch.setattr(pick, "resolve", slow)
+    quick = judging.resolve
+    monkeypatch.setattr(judging, "resolve", slow)
     cell = read_cell("yumi")
     cell = replace(cell, policy=replace(cell.policy, seconds=1.0))
-    result = pick.plan_pick(cell, drop_parts(cell.parts[:1] * 2, cell.bin, seed=28), "scan")
+    result = plan_pick(cell, drop_parts(cell.parts[:1] * 2, cell.bin, seed=28), "scan")
     reasons = {one.verdict.reason for one in result.candidates}
     assert (Reason.OUT_OF_TIME in reasons) is not is_compiling
     assert (result.plan is not None) is is_compiling
