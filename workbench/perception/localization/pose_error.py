@@ -59,7 +59,7 @@ def pose_error(
 
 
 def without_roll(symmetry: Symmetry, roll_axis: Floats | None) -> Symmetry:
-    """A symmetry joined by any turn about an axis (2, 3), see `pose_error`."""
+    """A symmetry joined by any turn about an axis (2, 3), a point [m] and a unit direction."""
     if symmetry.form != NONE:
         return symmetry
     if roll_axis is None:
