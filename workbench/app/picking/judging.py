@@ -30,7 +30,7 @@ ROOM = 0.0001
 
 
 @dataclass(slots=True)
-class Looked:
+class Judged:
     """What was checked: candidates with their final verdicts, picks of those that work."""
 
     candidates: list[Candidate] = field(default_factory=list[Candidate])
@@ -64,7 +64,7 @@ def count_hands(report: Report, cancelled: Cancelled) -> Callable[[int, int], No
 def judge_candidates(
     world: World,
     candidates: tuple[Candidate, ...],
-    looked: Looked,
+    judged: Judged,
     *,
     seed: int,
     report: Report,
@@ -79,7 +79,7 @@ def judge_candidates(
         report(done, ProgressText.CANDIDATES(number=number + 1, count=len(candidates)))
         verdict = candidate.verdict
         if verdict.is_ok:
-            others = looked.working.setdefault((candidate.arm, candidate.detection), [])
+            others = judged.working.setdefault((candidate.arm, candidate.detection), [])
             if processor_time() > until:
                 verdict = Verdict(Reason.OUT_OF_TIME, verdict.stage)
             elif is_spare(candidate, others):
@@ -88,14 +88,14 @@ def judge_candidates(
             else:
                 result = resolve(world, candidate, seed=seed)
                 if isinstance(result, Pick):
-                    looked.picks.append(result)
+                    judged.picks.append(result)
                     others.append(candidate)
                     verdict = Verdict(Reason.OK, Stage.PLACE, note=_describe(world, result))
                 else:
                     verdict = result
         if verdict is not candidate.verdict:
             candidate = replace(candidate, verdict=verdict)
-        looked.candidates.append(candidate)
+        judged.candidates.append(candidate)
 
 
 def _describe(world: World, pick: Pick) -> Message:
@@ -153,30 +153,30 @@ def judge(
     """Every candidate with its verdict, up to the place; see `pipeline.plan_pick`."""
     count = count_hands(report, cancelled)
 
-    def look(world: World, found: tuple[Candidate, ...], looked: Looked) -> None:
+    def look(world: World, found: tuple[Candidate, ...], judged: Judged) -> None:
         judge_candidates(
             world,
             found,
-            looked,
+            judged,
             seed=seed,
             report=report,
             cancelled=cancelled,
             until=world.deadline,
         )
 
-    def looked_by(policy: Policy) -> Looked:
-        world, looked = World(cell, detections, obstacles, policy), Looked()
-        look(world, propose(world, looked=count), looked)
-        return looked
+    def judged_by(policy: Policy) -> Judged:
+        world, judged = World(cell, detections, obstacles, policy), Judged()
+        look(world, propose(world, looked=count), judged)
+        return judged
 
-    looked = looked_by(cell.policy)
-    if not looked.picks and may_widen(cell, cell.policy, looked.candidates):
-        wider = looked_by(widened(cell.policy))
-        looked = wider if wider.picks else looked
+    judged = judged_by(cell.policy)
+    if not judged.picks and may_widen(cell, cell.policy, judged.candidates):
+        wider = judged_by(widened(cell.policy))
+        judged = wider if wider.picks else judged
     world = World(cell, detections, obstacles, searching_policy(cell.policy))
-    taken = {pick.candidate.detection for pick in looked.picks}
+    taken = {pick.candidate.detection for pick in judged.picks}
     for number, detection in enumerate(detections):
         if number not in taken and cell.part(detection.part).library.searches:
             for round in range(len(ROUNDS)):
-                look(world, search_candidates(world, number, round, looked=count), looked)
-    return tuple(looked.candidates)
+                look(world, search_candidates(world, number, round, looked=count), judged)
+    return tuple(judged.candidates)

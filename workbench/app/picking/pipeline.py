@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from workbench.app.picking.judging import (
     JUDGED,
-    Looked,
+    Judged,
     count_hands,
     furthest_verdict,
     judge_candidates,
@@ -194,7 +194,7 @@ def _plan(
     """
     world.deadline = asked.deadline
     half = processor_time() + (asked.deadline - processor_time()) / 2
-    looked = Looked()
+    judged = Judged()
     best: PlanResult | None = None
     for number, level in enumerate(levels):
         # The last tenth is for the proof.
@@ -202,11 +202,11 @@ def _plan(
         proposed = level(world, count_hands(report, asked.cancelled))
         stages.end("propose")
         # One arm alone would do: what is left of the time is for its plan.
-        until = half if looked.picks and asked.strategy == "auto" else world.deadline
+        until = half if judged.picks and asked.strategy == "auto" else world.deadline
         judge_candidates(
             world,
             _without(asked.avoided, proposed),
-            looked,
+            judged,
             seed=asked.seed,
             report=report,
             cancelled=asked.cancelled,
@@ -215,21 +215,21 @@ def _plan(
         stages.end("resolve")
         is_last = number == len(levels) - 1 or processor_time() > until
         if not is_last and not has_enough_picks(
-            world, looked.picks, asked.strategy, asked.threshold, asked.avoided, asked.wanted
+            world, judged.picks, asked.strategy, asked.threshold, asked.avoided, asked.wanted
         ):
             continue
         wanted = BOTH if asked.strategy == "both" else (asked.strategy,)
-        if looked.picks:
+        if judged.picks:
             report(JUDGED, ProgressText.MOTION())
         for _ in range(tries):
             found = best_of(
                 world.cell,
-                [_attempt(world, scene, looked, asked, name, stages.branch()) for name in wanted],
+                [_attempt(world, scene, judged, asked, name, stages.branch()) for name in wanted],
             )
             best = found if best is None else _better(best, found)
             if found.plan is None or _holds(found):
                 break
-            looked.drop(found.plan)
+            judged.drop(found.plan)
         if best is not None and _holds(best):
             break
         stages.began = working_time()
@@ -274,20 +274,20 @@ def _after(result: PlanResult) -> _Stages:
 def _attempt(
     world: World,
     scene: Scene,
-    looked: Looked,
+    judged: Judged,
     asked: _Asked,
     strategy: str,
     stages: _Stages,
 ) -> PlanResult:
     """Plan by one strategy, prove, and bound the cycle from below."""
     is_searched = any(part.library.searches for part in world.cell.parts)
-    verdict = furthest_verdict(looked.candidates, is_searched=is_searched)
+    verdict = furthest_verdict(judged.candidates, is_searched=is_searched)
     plan, proof, bound = None, None, 0.0
     plans: tuple[Plan, ...] = ()
-    if looked.picks:
+    if judged.picks:
         plans, verdict = plan_first_feasible(
             world,
-            looked.picks,
+            judged.picks,
             strategy,
             asked.threshold,
             scene.scan_digest,
@@ -300,11 +300,11 @@ def _attempt(
         asked.report(0.9, ProgressText.PROOF())
         plan, proof = _proven(world.cell, scene, plans)
         stages.end("prove")
-        bound = least_cycle(world, plan, looked.picks)
+        bound = least_cycle(world, plan, judged.picks)
         stages.end("route")
         plan = replace(plan, seconds=stages.seconds, notes=(*plan.notes, *_found_grips(plan)))
     return PlanResult(
-        tuple(looked.candidates),
+        tuple(judged.candidates),
         plan,
         proof,
         verdict,

@@ -82,7 +82,7 @@ def _insertion(item: Table) -> Insertion | None:
         if item.has(key) and not base:
             raise item.error(key, "is about a part that comes onto another one: `on` is expected")
         if base and key in OF_INSERTION and not item.has(key):
-            raise item.error(key, "is missing; it is expected beside `on`")
+            raise item.error(key, "is missing; `on` needs it")
     if not base:
         return None
     x, y, z = (item.numbers("position_mm", 3, [0, 0, 0], low=-FAR_MM, high=FAR_MM) / 1000).tolist()

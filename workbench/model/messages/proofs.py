@@ -110,7 +110,7 @@ class ProofText(Text, subject="proof"):
     ASSEMBLY_ROLL = "a part of unknown roll cannot be assembled"
     NOT_SEATED = "a point of the part ends {far:mm} from its seat; {most:mm} are allowed"
     OFF_INSERTION = (
-        "a point of the part is {far:mm} beside the straight line to its seat, {most:mm} at most"
+        "a point of the part is {far:mm} off the straight line to its seat, {most:mm} at most"
     )
     INSERTION_LENGTH = "the straight motion to the seat is {length:mm} long instead of {wanted:mm}"
     NO_STATION = "the cell has no station {station}"

@@ -129,13 +129,13 @@ class Grips:
         return grasp if self._checker.check(grasp).is_ok else None
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=16)
 def grips_of(part: Part, tool: Tool, acceleration: float | None = None) -> Grips:
     """The grips of a tool on a part, the same each time."""
     return Grips(part, tool, acceleration)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=16)
 def clear_grips(cell: Cell, part: Part, arm: Arm) -> Ints:
     """Numbers (n,) of the grips, no unit, of an arm's tool whose open fingers do not cut the part.
 

@@ -9,10 +9,10 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
-from workbench.model.cell import Arm, Cell
+from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Floats, Solid
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.part import Grasp
+from workbench.model.part import Grasp, Part
 from workbench.planning.collision.tool_check import Fit, ToolCheck
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.grip_raster import clear_grips, grips_of
@@ -116,13 +116,19 @@ def search_candidates(
     for count, arm in enumerate(world.cell.arms):
         looked(count, len(world.cell.arms))
         if arm.tool.name not in known:
-            grips = grips_of(part, arm.tool, tool_acceleration(world.cell, arm.tool))
+            grips = grips_of(part, arm.tool, _acceleration(world.cell, part, arm.tool))
             fit = partial(world.tool_check.free, arm, number)
             clear = clear_grips(world.cell, part, arm)
             known[arm.tool.name] = grips.search(fit, clear, most)[first:]
         if known[arm.tool.name]:
             found += _candidates(world, [number], known[arm.tool.name], arm)
     return tuple(sorted(found, key=lambda c: (not c.verdict.is_ok, c.rank)))
+
+
+def _acceleration(cell: Cell, part: Part, tool: Tool) -> float | None:
+    """What a grip has to hold against [m/s2]; None where nothing is stated to weigh it by."""
+    is_weighed = part.friction is not None and tool.force is not None
+    return tool_acceleration(cell, tool) if is_weighed else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

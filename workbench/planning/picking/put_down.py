@@ -34,7 +34,7 @@ DRAWN = 4
 """The soonest configurations at a place that are moved in their null space to come sooner."""
 
 FARTHER = 2.0
-"""Times the last motion to a place: so far a hand goes back whose fingers reach around a part."""
+"""Times the last motion to a place that a hand goes back whose fingers reach around a part."""
 
 LATE = Verdict(Reason.OUT_OF_TIME, Stage.PLACE)
 
