@@ -3,11 +3,18 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from scipy.spatial import ConvexHull
 
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
-from workbench.model.geometry import Box, Cylinder, pieces_of
-from workbench.planning.collision.distances.measuring import Group, distance, group_distance
+from workbench.model.geometry import Box, Cylinder, Mesh, pieces_of
+from workbench.planning.collision.distances.measuring import (
+    Group,
+    distance,
+    find_nearing,
+    group_distance,
+    moved_distance,
+)
 
 
 def poses(count):
@@ -40,6 +47,44 @@ def test_groups_are_as_far_apart_as_their_nearest_shapes(name):
         ]
         far, at = group_distance(one, T, shifts, other)
         assert far == pytest.approx(min(each), abs=1e-9) and each[at] == pytest.approx(far)
+
+
+def hull_of(points, pieces=()):
+    return Mesh(points, ConvexHull(points).simplices, is_convex=True, pieces=pieces)
+
+
+def divided_shape():
+    rng = np.random.default_rng(6)
+    clouds = [rng.normal(size=(10, 3)) * 0.004 + rng.normal(size=3) * 0.015 for _ in range(12)]
+    return hull_of(np.concatenate(clouds), tuple(map(hull_of, clouds)))
+
+
+def test_a_shape_with_pieces_is_as_far_away_as_its_nearest_piece_also_deep_inside():
+    shape = divided_shape()
+    for T in poses(40):
+        each = min(
+            distance(one, T, other, pin.SE3.Identity())
+            for one in pieces_of(shape)
+            for other in pieces_of(shape)
+        )
+        assert distance(shape, T, shape, pin.SE3.Identity()) == each
+        for within in (-0.004, 0.0, 0.003):
+            assert distance(shape, T, shape, pin.SE3.Identity(), within) == min(each, within)
+
+
+def test_what_comes_too_near_on_its_way_is_found_wherever_it_does():
+    shape = divided_shape()
+    bed = (shape, pin.SE3.Identity())
+    found = set()
+    for k, T in enumerate(poses(60)):
+        way = np.random.default_rng(k).normal(size=3)
+        steps = np.arange(0.001, 0.02, 0.001)[:, None] * way / np.linalg.norm(way)
+        begins, keeps = moved_distance((shape, T), bed, np.zeros(3)), 0.004
+        gaps = [moved_distance((shape, T), bed, step) for step in steps]
+        nearing = find_nearing((shape, T), bed, steps, begins, keeps)
+        found.add(nearing is None)
+        assert nearing == next((gap for gap in gaps if gap < keeps), None)
+    assert found == {True, False}
 
 
 def test_nothing_is_named_beyond_what_is_asked_for():

@@ -8,15 +8,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import combinations, product
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats, Shape, frozen
+from workbench.model.geometry import Bools, Floats, Shape, frozen
 from workbench.planning.collision.around import Around, first_contact
 from workbench.planning.collision.bodies import extent, part_label
-from workbench.planning.collision.distances.measuring import distance
+from workbench.planning.collision.distances.measuring import (
+    Body,
+    find_nearing,
+    moved_distance,
+)
 from workbench.planning.collision.hands import NOTHING
 from workbench.planning.collision.pairing import distances_to_keep
 from workbench.planning.collision.surroundings import Surroundings
@@ -45,9 +50,6 @@ COMES_OFF = 0.001
 """[m] Steps in which a part comes off what it lies on, where its turns are checked."""
 
 
-Body = tuple[Shape, pin.SE3]
-"""A shape and its pose in the world."""
-
 Against = tuple[Body, Body, float]
 """A piece of a part, a body that it lies against, and how near [m] they are."""
 
@@ -63,6 +65,20 @@ class Caught:
     bed: str
     distance: float
     is_sunk: bool
+
+
+class _Turns(NamedTuple):
+    """A part and what lies near it with labels, piece by piece, each at every turn it may have.
+
+    `possible` (t,) are the turns of the part at which it lies in nothing too deep; of those beds
+    whose turn is known `deepest` is the one that it lies deepest in, by `depth` [m] or more.
+    """
+
+    pieces: tuple[Placed, ...]
+    beds: list[tuple[str, Placed]]
+    possible: Bools
+    depth: float
+    deepest: str
 
 
 def steps_along(first: float, most: float) -> Floats:
@@ -90,6 +106,7 @@ class PartWays:
         self._around: dict[int, Around] = {}
         self._known: dict[tuple[int, bytes], tuple[str, float] | None] = {}
         self._caught: dict[tuple[int, bytes], Caught | None] = {}
+        self._turns: dict[int, _Turns | None] = {}
         self._against: dict[int, list[Against]] = {}
         self._first: dict[tuple[int, bytes], tuple[float, bool]] = {}
         self._off: dict[int, tuple[Floats, ...]] = {}
@@ -158,7 +175,7 @@ class PartWays:
             step = way * (first / most) if most > 0 else way
             against = self._against[number]
             begins = np.array([begin for _, _, begin in against])
-            comes = np.array([_apart(a, b, step) for a, b, _ in against])
+            comes = np.array([moved_distance(a, b, step) for a, b, _ in against])
             gain = float(np.min(comes - begins, initial=first))
             self._first[key] = gain, bool((comes < distances_to_keep(begins)).any())
         return self._first[key]
@@ -199,7 +216,7 @@ class PartWays:
                 continue
             for piece in pieces:
                 placed_piece = (piece.shape, T * piece.T_owner_shape)
-                begins = _apart(placed_piece, bed, np.zeros(3))
+                begins = moved_distance(placed_piece, bed, np.zeros(3))
                 if begins < self._near:
                     found.append((placed_piece, bed, begins))
         return found
@@ -238,38 +255,46 @@ class PartWays:
         return self._caught[key]
 
     def _caught_on(self, number: int, way: Floats) -> Caught | None:
-        beds = self._beds(number)
-        if self._detections[number].roll_known and all(len(bed) == 1 for _, bed in beds):
+        turns = self._turns_of(number)
+        if turns is None:
             return None
-        label = part_label(number)
+        if not turns.possible.any():
+            return Caught(part_label(number), turns.deepest, turns.depth, is_sunk=True)
         far = np.append(np.arange(COMES_OFF, self._release, COMES_OFF), self._release)
         steps = far[:, None] * way / float(np.linalg.norm(way))
-        detection = self._detections[number]
+        reach = self._near + self._release + ASIDE
+        for piece, (name, bed) in product(turns.pieces, turns.beds):
+            for (turn, body), other in product(enumerate(piece), bed):
+                if len(piece) > 1 and not turns.possible[turn]:
+                    continue
+                begins = moved_distance(body, other, np.zeros(3), reach)
+                if begins < -self._sink or begins >= reach:
+                    continue  # the neighbour is not turned so, or is too far away
+                keeps = min(self._near + ASIDE, begins - ASIDE)
+                distance = find_nearing(body, other, steps, begins, keeps)
+                if distance is not None:
+                    return Caught(part_label(number), name, distance, is_sunk=False)
+        return None
+
+    def _turns_of(self, number: int) -> _Turns | None:
+        """The turns of a part and of what lies near it; None where all of them are known."""
+        if number not in self._turns:
+            self._turns[number] = self._possible_turns(number)
+        return self._turns[number]
+
+    def _possible_turns(self, number: int) -> _Turns | None:
+        detection, beds = self._detections[number], self._beds(number)
+        if detection.roll_known and all(len(bed) == 1 for _, bed in beds):
+            return None
         pieces = place_pieces(self._cell.part(detection.part), detection)
         # A turn is possible when its pieces are in nothing whose own place is known.
         possible, deepest = np.ones(max(len(piece) for piece in pieces), bool), (-np.inf, "")
         for piece, (name, bed) in product(pieces, beds):
             if len(bed) == 1:
-                depths = np.array(
-                    [-_apart(placed_piece, bed[0], np.zeros(3)) for placed_piece in piece]
-                )
+                depths = np.array([-moved_distance(body, bed[0], np.zeros(3)) for body in piece])
                 possible &= np.broadcast_to(depths <= self._sink, possible.shape)
                 deepest = max(deepest, (float(depths.min()), name))
-        if not possible.any():
-            return Caught(label, deepest[1], -deepest[0], is_sunk=True)
-        for piece, (name, bed) in product(pieces, beds):
-            for (turn, detection), other in product(enumerate(piece), bed):
-                if len(piece) > 1 and not possible[turn]:
-                    continue
-                begins = _apart(detection, other, np.zeros(3))
-                if begins < -self._sink:
-                    continue  # the neighbour is not turned so
-                keeps = min(self._near + ASIDE, begins - ASIDE)
-                for step in steps if begins < self._near + self._release + ASIDE else ():
-                    distance = _apart(detection, other, step)
-                    if distance < keeps:
-                        return Caught(label, name, distance, is_sunk=False)
-        return None
+        return _Turns(pieces, beds, possible, *deepest)
 
     def _beds(self, number: int) -> list[tuple[str, Placed]]:
         """What lies near a part, piece by piece, with labels: parts as they may be turned."""
@@ -307,7 +332,7 @@ class PartWays:
             ]
             for number in (first, second)
         )
-        return min(_apart(a, b, np.zeros(3)) for a in mine for b in theirs)
+        return min(moved_distance(a, b, np.zeros(3)) for a in mine for b in theirs)
 
     @cached_property
     def heaps(self) -> list[int]:
@@ -351,9 +376,3 @@ def _is_near(p: Floats, reach: float, body: tuple[Shape, pin.SE3]) -> bool:
     centre, half, _ = extent(shape)
     offset = T.rotation.T @ (p - T.translation) - centre
     return float(np.linalg.norm(np.maximum(np.abs(offset) - half, 0.0))) < reach
-
-
-def _apart(first: tuple[Shape, pin.SE3], second: tuple[Shape, pin.SE3], step: Floats) -> float:
-    """The distance [m] of two bodies, the first of them moved by a step (3,) [m]."""
-    (shape, T), (bed, U) = first, second
-    return distance(shape, pin.SE3(T.rotation, T.translation + step), bed, U)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
+from numba import njit
 
 from workbench.model.cell import Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Ints, Mesh, Shape, Sphere
@@ -130,11 +131,7 @@ class Pads:
         """Triangles that a ray of the grid may meet."""
         low = np.array([self.grid.u, self.grid.v])
         high = low + self.grid.step * (np.array(self.grid.shape) - 1)
-        # A triangle lies beside the grid if all of its corners lie on the same side of it.
-        beside = np.column_stack([points[:, :2] < low, points[:, :2] > high])
-        sides = np.packbits(beside, axis=1)[:, 0]
-        a, b, c = triangles.T
-        return np.ascontiguousarray(triangles[(sides[a] & sides[b] & sides[c]) == 0])
+        return _meeting(points, triangles, low, high)
 
     def _contact(self, points: Floats, triangles: Ints, met: Ints) -> tuple[float, Floats]:
         """Area and mean normal, in the view frame, where triangles were met."""
@@ -144,6 +141,21 @@ class Pads:
         across /= np.linalg.norm(across, axis=1, keepdims=True)
         normal = times @ across
         return len(met) * self._cell, normal / max(float(np.linalg.norm(normal)), 1e-12)
+
+
+@njit(cache=True)
+def _meeting(P: Floats, triangles: Ints, low: Floats, high: Floats) -> Ints:
+    """Triangles (k, 3) by points (n, 3) [m] of which not all lie on one side of a box (2,) [m]."""
+    sides = np.zeros(len(P), np.uint8)
+    for n in range(len(P)):
+        for i in range(2):
+            sides[n] |= (P[n, i] < low[i]) << i | (P[n, i] > high[i]) << (2 + i)
+    met, count = np.empty_like(triangles), 0
+    for a, b, c in triangles:
+        if sides[a] & sides[b] & sides[c] == 0:
+            met[count, 0], met[count, 1], met[count, 2] = a, b, c
+            count += 1
+    return met[:count].copy()
 
 
 def _hull(shape: Shape, T_tcp_shape: pin.SE3) -> tuple[Floats, Ints]:

@@ -113,10 +113,13 @@ def _compare_holds(
         return Uneven(VerdictNote.AT_SOME_TURN(problem=leak.text), leak.amount)
     if checker.pads is None:
         return Uneven(VerdictNote.MANY_FINGERS(count=len(tool.fingers)), 0.0)
-    holds = [checker.hold(hand, opening) for hand in hands]
-    if not all(holds):
-        return Uneven(VerdictNote.NOTHING_HELD(), 0.0)
-    return _compare([hold for hold in holds if hold is not None], tool.press)
+    holds: list[PadContact] = []
+    for hand in hands:
+        hold = checker.hold(hand, opening)
+        if hold is None:
+            return Uneven(VerdictNote.NOTHING_HELD(), 0.0)
+        holds.append(hold)
+    return _compare(holds, tool.press)
 
 
 def _compare(holds: list[PadContact], press: float) -> Uneven | None:

@@ -13,14 +13,23 @@ from workbench.planning.collision.bodies import coal_shape, extent
 
 REQUEST = coal.DistanceRequest()
 
+Body = tuple[Shape, pin.SE3]
+"""A shape and its pose in the world."""
+
 
 class _Pieces(NamedTuple):
-    """The pieces of a shape, with the boxes (n, 3) and balls (n,) [m] around them in its frame."""
+    """The pieces of a shape, with the boxes (n, 3) and balls (n,) [m] around them in its frame.
+
+    `centre` (3,), `half` (3,) and `radius` [m] are those around the whole shape.
+    """
 
     geometries: tuple[coal.CollisionGeometry, ...]
     centres: Floats
     halves: Floats
     radii: Floats
+    centre: Floats
+    half: Floats
+    radius: float
 
 
 @lru_cache(maxsize=4096)
@@ -28,7 +37,11 @@ def _pieces(shape: Shape) -> _Pieces:
     pieces = pieces_of(shape)
     centres, halves, radii = zip(*map(extent, pieces), strict=True)
     return _Pieces(
-        tuple(map(coal_shape, pieces)), np.array(centres), np.array(halves), np.array(radii)
+        tuple(map(coal_shape, pieces)),
+        np.array(centres),
+        np.array(halves),
+        np.array(radii),
+        *extent(shape),
     )
 
 
@@ -50,22 +63,58 @@ def distance(shape: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float =
     if len(a.radii) == len(b.radii) == 1:
         return _measure(a.geometries[0], at, b.geometries[0], bt)
     seen = T.actInv(U)
-    # Of each box of the one how far the balls of the other are, and the other way round.
     there = b.centres @ seen.rotation.T + seen.translation
     here = (a.centres - seen.translation) @ seen.rotation
-    from_one = np.abs(there[None] - a.centres[:, None]) - a.halves[:, None]
-    from_other = np.abs(here[:, None] - b.centres[None]) - b.halves[None]
-    least = np.maximum(
-        np.linalg.norm(np.maximum(from_one, 0.0), axis=2) - b.radii,
-        np.linalg.norm(np.maximum(from_other, 0.0), axis=2) - a.radii[:, None],
-    )
+    # Pieces that are nearest to the whole other shape come first: others are hardly ever measured.
+    ours = _to_box(np.abs(here - b.centre) - b.half) - a.radii
+    theirs = _to_box(np.abs(there - a.centre) - a.half) - b.radii
     best = within
-    for k in np.argsort(least, axis=None):
-        i, j = divmod(int(k), len(b.radii))
+    first, second = int(ours.argmin()), int(theirs.argmin())
+    if max(ours[first], theirs[second]) >= best:
+        return best
+    best = min(best, _measure(a.geometries[first], at, b.geometries[second], bt))
+    rows, columns = np.flatnonzero(ours < best), np.flatnonzero(theirs < best)
+    from_one = np.abs(there[columns] - a.centres[rows, None]) - a.halves[rows, None]
+    from_other = np.abs(here[rows, None] - b.centres[columns]) - b.halves[columns]
+    least = np.maximum(
+        _to_box(from_one) - b.radii[columns], _to_box(from_other) - a.radii[rows, None]
+    )
+    close = np.flatnonzero(least < best)
+    for k in close[np.argsort(least.flat[close])].tolist():
+        i, j = divmod(k, len(columns))
         if least[i, j] >= best:
             break
+        i, j = rows[i], columns[j]
         best = min(best, _measure(a.geometries[i], at, b.geometries[j], bt))
     return best
+
+
+def moved_distance(body: Body, bed: Body, step: Floats, within: float = np.inf) -> float:
+    """The distance [m] of two bodies as `distance`, the first of them moved by a step (3,) [m]."""
+    (shape, T), (other, U) = body, bed
+    return distance(shape, pin.SE3(T.rotation, T.translation + step), other, U, within)
+
+
+def find_nearing(body: Body, bed: Body, steps: Floats, begins: float, keeps: float) -> float | None:
+    """The first distance [m] below what a body shall keep to another one; None where it keeps it.
+
+    Args:
+        body: that moves.
+        bed: that stays.
+        steps: (k, 3) [m] where it moves to, from where it is, straight ahead.
+        begins: how far they are apart before [m].
+        keeps: less is too near [m].
+    """
+    far = np.linalg.norm(steps, axis=1).tolist()
+    gap, at = begins, 0.0
+    for gone, step in zip(far, steps, strict=True):
+        # A distance changes by no more than what a body moves.
+        if gap - (gone - at) >= keeps:
+            continue
+        gap, at = moved_distance(body, bed, step, keeps + far[-1] - gone), gone
+        if gap < keeps:
+            return gap
+    return None
 
 
 class Group:
