@@ -79,7 +79,8 @@ def test_what_comes_too_near_on_its_way_is_found_wherever_it_does():
     for k, T in enumerate(poses(60)):
         way = np.random.default_rng(k).normal(size=3)
         steps = np.arange(0.001, 0.02, 0.001)[:, None] * way / np.linalg.norm(way)
-        begins, keeps = moved_distance((shape, T), bed, np.zeros(3)), 0.004
+        begins = moved_distance((shape, T), bed, np.zeros(3))
+        keeps = min(0.004, begins - 0.0005)
         gaps = [moved_distance((shape, T), bed, step) for step in steps]
         nearing = find_nearing((shape, T), bed, steps, begins, keeps)
         found.add(nearing is None)

@@ -111,7 +111,7 @@ def find_nearing(body: Body, bed: Body, steps: Floats, begins: float, keeps: flo
         # A distance changes by no more than what a body moves.
         if gap - (gone - at) >= keeps:
             continue
-        gap, at = moved_distance(body, bed, step, keeps + far[-1] - gone), gone
+        gap, at = moved_distance(body, bed, step, keeps + (far[-1] - gone)), gone
         if gap < keeps:
             return gap
     return None
