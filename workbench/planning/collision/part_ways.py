@@ -67,15 +67,26 @@ class Caught:
     is_sunk: bool
 
 
+class _Pair(NamedTuple):
+    """A piece of a part and a piece of what lies near, each at the turns that it may have.
+
+    `begins` (t, u) [m] is how far they are apart, at the reach of the lift or beyond cut off.
+    """
+
+    piece: Placed
+    bed: Placed
+    label: str
+    begins: Floats
+
+
 class _Turns(NamedTuple):
-    """A part and what lies near it with labels, piece by piece, each at every turn it may have.
+    """A part and what lies near it, whose turns nobody knows.
 
     `possible` (t,) are the turns of the part at which it lies in nothing too deep; of those beds
     whose turn is known `deepest` is the one that it lies deepest in, by `depth` [m] or more.
     """
 
-    pieces: tuple[Placed, ...]
-    beds: list[tuple[str, Placed]]
+    pairs: list[_Pair]
     possible: Bools
     depth: float
     deepest: str
@@ -103,6 +114,7 @@ class PartWays:
         policy = surroundings.cell.policy
         self._sink, self._near, self._release = policy.sink, policy.near_margin, policy.release
         self._margin = kept_on_ways(surroundings.cell)
+        self._reach = self._near + self._release + ASIDE
         self._around: dict[int, Around] = {}
         self._known: dict[tuple[int, bytes], tuple[str, float] | None] = {}
         self._caught: dict[tuple[int, bytes], Caught | None] = {}
@@ -262,18 +274,16 @@ class PartWays:
             return Caught(part_label(number), turns.deepest, turns.depth, is_sunk=True)
         far = np.append(np.arange(COMES_OFF, self._release, COMES_OFF), self._release)
         steps = far[:, None] * way / float(np.linalg.norm(way))
-        reach = self._near + self._release + ASIDE
-        for piece, (name, bed) in product(turns.pieces, turns.beds):
-            for (turn, body), other in product(enumerate(piece), bed):
-                if len(piece) > 1 and not turns.possible[turn]:
-                    continue
-                begins = moved_distance(body, other, np.zeros(3), reach)
-                if begins < -self._sink or begins >= reach:
-                    continue  # the neighbour is not turned so, or is too far away
+        for pair in turns.pairs:
+            matters = (pair.begins >= -self._sink) & (pair.begins < self._reach)
+            if len(matters) > 1:
+                matters &= turns.possible[:, None]
+            for turn, other in np.argwhere(matters).tolist():
+                begins = float(pair.begins[turn, other])
                 keeps = min(self._near + ASIDE, begins - ASIDE)
-                distance = find_nearing(body, other, steps, begins, keeps)
-                if distance is not None:
-                    return Caught(part_label(number), name, distance, is_sunk=False)
+                gap = find_nearing(pair.piece[turn], pair.bed[other], steps, begins, keeps)
+                if gap is not None:
+                    return Caught(part_label(number), pair.label, gap, is_sunk=False)
         return None
 
     def _turns_of(self, number: int) -> _Turns | None:
@@ -286,15 +296,22 @@ class PartWays:
         detection, beds = self._detections[number], self._beds(number)
         if detection.roll_known and all(len(bed) == 1 for _, bed in beds):
             return None
-        pieces = place_pieces(self._cell.part(detection.part), detection)
+        pieces, none = place_pieces(self._cell.part(detection.part), detection), np.zeros(3)
         # A turn is possible when its pieces are in nothing whose own place is known.
         possible, deepest = np.ones(max(len(piece) for piece in pieces), bool), (-np.inf, "")
-        for piece, (name, bed) in product(pieces, beds):
+        pairs: list[_Pair] = []
+        for piece, (label, bed) in product(pieces, beds):
+            begins = np.array(
+                [
+                    [moved_distance(body, other, none, self._reach) for other in bed]
+                    for body in piece
+                ]
+            )
+            pairs.append(_Pair(piece, bed, label, begins))
             if len(bed) == 1:
-                depths = np.array([-moved_distance(body, bed[0], np.zeros(3)) for body in piece])
-                possible &= np.broadcast_to(depths <= self._sink, possible.shape)
-                deepest = max(deepest, (float(depths.min()), name))
-        return _Turns(pieces, beds, possible, *deepest)
+                possible &= begins[:, 0] >= -self._sink
+                deepest = max(deepest, (float(-begins.max()), label))
+        return _Turns(pairs, possible, *deepest)
 
     def _beds(self, number: int) -> list[tuple[str, Placed]]:
         """What lies near a part, piece by piece, with labels: parts as they may be turned."""

@@ -128,37 +128,60 @@ def is_divided(shape: Shape) -> bool:
 
 def measure(first: Placed, second: Placed) -> coal.DistanceResult:
     """How far two shapes are apart, where they are nearest: their pieces, where they have some."""
+    nearest = _nearest(first, second, np.inf)
+    assert nearest is not None  # every shape has a piece
+    return nearest
+
+
+def _nearest(first: Placed, second: Placed, far: float) -> coal.DistanceResult | None:
+    """How far the nearest pieces of two shapes are apart; None where none is within `far` [m]."""
     (shape, T), (bed, U) = first, second
-    mine, its = _pieces(shape), _pieces(bed)
-    least = _apart_at_least(mine, its, T.actInv(U))
+    mine, its, seen = _pieces(shape), _pieces(bed), T.actInv(U)
+    ours = (mine.centres - seen.translation) @ seen.rotation
+    theirs = its.centres @ seen.rotation.T + seen.translation
     at, where = (coal.Transform3s(pose.rotation, pose.translation) for pose in (T, U))
     best: coal.DistanceResult | None = None
-    for k in np.argsort(least, axis=None):
-        i, j = divmod(int(k), least.shape[1])
-        if best is not None and least[i, j] >= best.min_distance:
-            break
+
+    def look(i: int, j: int) -> float:
+        nonlocal best
         found = coal.DistanceResult()
         coal.distance(mine.shapes[i], at, its.shapes[j], where, coal.DistanceRequest(), found)
         # What is no number is not far away.
         if best is None or not found.min_distance >= best.min_distance:
             best = found
-    assert best is not None  # every shape has a piece
+        return min(far, best.min_distance)
+
+    # From here on, by balls and boxes: what is this far from the whole other shape, or its pieces.
+    mine_out = _out_of(ours, hull(bed)) - mine.radii
+    its_out = _out_of(theirs, hull(shape)) - its.radii
+    if max(mine_out.min(), its_out.min()) >= far:
+        return None
+    least = look(int(mine_out.argmin()), int(its_out.argmin()))
+    rows, columns = np.flatnonzero(~(mine_out >= least)), np.flatnonzero(~(its_out >= least))
+    apart = np.maximum(
+        _beyond(theirs[columns] - mine.centres[rows, None], mine.halves[rows, None])
+        - its.radii[columns],
+        _beyond(ours[rows, None] - its.centres[columns], its.halves[columns])
+        - mine.radii[rows, None],
+    )
+    close = np.flatnonzero(~(apart >= least))
+    for k in close[np.argsort(apart.flat[close])].tolist():
+        i, j = divmod(k, len(columns))
+        if apart[i, j] >= least:
+            break
+        least = look(int(rows[i]), int(columns[j]))
     return best
 
 
-def _apart_at_least(pieces: _BoundedPieces, other: _BoundedPieces, T: pin.SE3) -> Floats:
-    """How far pieces are apart at least (n, m) [m]: the box around each, the ball around the other.
+def _out_of(points: Floats, around: Hull) -> Floats:
+    return _beyond(points - around.centre, around.half)
 
-    `T` is the pose of the other shape in the frame of the one.
-    """
-    theirs = other.centres @ T.rotation.T + T.translation
-    ours = (pieces.centres - T.translation) @ T.rotation
-    beside = np.maximum(np.abs(theirs - pieces.centres[:, None]) - pieces.halves[:, None], 0.0)
-    besides = np.maximum(np.abs(ours[:, None] - other.centres) - other.halves, 0.0)
-    return np.maximum(
-        np.sqrt((beside**2).sum(axis=2)) - other.radii,
-        np.sqrt((besides**2).sum(axis=2)) - pieces.radii[:, None],
-    )
+
+def _beyond(offsets: Floats, half: Floats) -> Floats:
+    """How far points (..., 3) [m] from the middle of a box are from it, negative inside."""
+    out = np.abs(offsets) - half
+    x, y, z = np.moveaxis(np.maximum(out, 0.0), -1, 0)
+    return np.sqrt(x * x + y * y + z * z) + np.minimum(out.max(axis=-1), 0.0)
 
 
 def gap_of(first: Placed, second: Placed, far: float = np.inf) -> float:
@@ -169,7 +192,8 @@ def gap_of(first: Placed, second: Placed, far: float = np.inf) -> float:
     apart = np.linalg.norm(np.maximum(np.abs(offset) - about.half, 0.0)) - around.radius
     if apart >= far:
         return float(apart)
-    return float(measure(first, second).min_distance)
+    nearest = _nearest(first, second, far)
+    return far if nearest is None else float(nearest.min_distance)
 
 
 def _measure_aslant_first() -> None:

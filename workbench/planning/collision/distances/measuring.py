@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from workbench.model.geometry import Floats, Mesh, Shape, pieces_of
 from workbench.planning.collision.bodies import coal_shape, extent
+from workbench.planning.collision.distances.piece_bounds import close_pairs, far_from
 
 REQUEST = coal.DistanceRequest()
 
@@ -18,31 +19,18 @@ Body = tuple[Shape, pin.SE3]
 
 
 class _Pieces(NamedTuple):
-    """The pieces of a shape, with the boxes (n, 3) and balls (n,) [m] around them in its frame.
-
-    `centre` (3,), `half` (3,) and `radius` [m] are those around the whole shape.
-    """
+    """The pieces of a shape, with what is `around` the whole and each of them, see `far_from`."""
 
     geometries: tuple[coal.CollisionGeometry, ...]
-    centres: Floats
-    halves: Floats
-    radii: Floats
-    centre: Floats
-    half: Floats
-    radius: float
+    bounds: Floats
+    around: Floats
 
 
 @lru_cache(maxsize=4096)
 def _pieces(shape: Shape) -> _Pieces:
     pieces = pieces_of(shape)
-    centres, halves, radii = zip(*map(extent, pieces), strict=True)
-    return _Pieces(
-        tuple(map(coal_shape, pieces)),
-        np.array(centres),
-        np.array(halves),
-        np.array(radii),
-        *extent(shape),
-    )
+    bounds = np.array([np.hstack(extent(piece)) for piece in pieces])
+    return _Pieces(tuple(map(coal_shape, pieces)), bounds, np.hstack(extent(shape)))
 
 
 def has_pieces(shape: Shape) -> bool:
@@ -60,31 +48,23 @@ def distance(shape: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float =
         coal.Transform3s(T.rotation, T.translation),
         coal.Transform3s(U.rotation, U.translation),
     )
-    if len(a.radii) == len(b.radii) == 1:
+    if len(a.bounds) == len(b.bounds) == 1:
         return _measure(a.geometries[0], at, b.geometries[0], bt)
     seen = T.actInv(U)
-    there = b.centres @ seen.rotation.T + seen.translation
-    here = (a.centres - seen.translation) @ seen.rotation
-    # Pieces that are nearest to the whole other shape come first: others are hardly ever measured.
-    ours = _to_box(np.abs(here - b.centre) - b.half) - a.radii
-    theirs = _to_box(np.abs(there - a.centre) - a.half) - b.radii
-    best = within
+    R, p = np.ascontiguousarray(seen.rotation), seen.translation
+    ours = far_from(a.bounds, np.ascontiguousarray(R.T), -R.T @ p, b.around)
+    theirs = far_from(b.bounds, R, p, a.around)
+    # Those that are nearest to the whole other shape come first: others are hardly ever measured.
     first, second = int(ours.argmin()), int(theirs.argmin())
+    best = within
     if max(ours[first], theirs[second]) >= best:
         return best
     best = min(best, _measure(a.geometries[first], at, b.geometries[second], bt))
     rows, columns = np.flatnonzero(ours < best), np.flatnonzero(theirs < best)
-    from_one = np.abs(there[columns] - a.centres[rows, None]) - a.halves[rows, None]
-    from_other = np.abs(here[rows, None] - b.centres[columns]) - b.halves[columns]
-    least = np.maximum(
-        _to_box(from_one) - b.radii[columns], _to_box(from_other) - a.radii[rows, None]
-    )
-    close = np.flatnonzero(least < best)
-    for k in close[np.argsort(least.flat[close])].tolist():
-        i, j = divmod(k, len(columns))
-        if least[i, j] >= best:
+    pairs, least = close_pairs(a.bounds, b.bounds, R, p, rows, columns, best)
+    for (i, j), gap in zip(pairs.tolist(), least.tolist(), strict=True):
+        if gap >= best:
             break
-        i, j = rows[i], columns[j]
         best = min(best, _measure(a.geometries[i], at, b.geometries[j], bt))
     return best
 
@@ -126,14 +106,12 @@ class Group:
     def __init__(self, placed: Sequence[tuple[Shape, pin.SE3]]):
         """The shapes, and where each is in the frame of the group."""
         pieces = [_pieces(shape) for shape, _ in placed]
-        counts = [len(shape_pieces.radii) for shape_pieces in pieces]
+        counts = [len(shape_pieces.bounds) for shape_pieces in pieces]
         self.owners = np.repeat(np.arange(len(placed)), np.array(counts, int))
         """The shape that each piece (n,) belongs to, no unit."""
         self.geometries = [piece for some in pieces for piece in some.geometries]
-        none = np.zeros((0, 3))
-        self.centres = np.concatenate([none, *(some.centres for some in pieces)])
-        self.halves = np.concatenate([none, *(some.halves for some in pieces)])
-        self.radii = np.concatenate([none[:, 0], *(some.radii for some in pieces)])
+        bounds = np.concatenate([np.zeros((0, 7)), *(some.bounds for some in pieces)])
+        self.centres, self.halves, self.radii = bounds[:, :3], bounds[:, 3:6], bounds[:, 6]
         R = np.array([T.rotation for _, T in placed]).reshape(-1, 3, 3)
         p = np.array([T.translation for _, T in placed]).reshape(-1, 3)
         self.R, self.p = R[self.owners], p[self.owners]

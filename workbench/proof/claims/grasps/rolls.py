@@ -22,9 +22,6 @@ NEARLY, FINE = 0.0005, 0.0004
 """[m, rad] How much nearer or farther counts as the same at a turn; and the sum of all joints'
 turns within which a hand that is up to 1.2 m from an axis moves by less than 0.5 mm."""
 
-FAR = 0.1
-"""[m] Distances beyond are bounds."""
-
 
 def roll_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
     """Whether a hand holds its part, and all is right at every turn where nobody knows its roll.
@@ -102,25 +99,24 @@ def _bed_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> It
             beds += [[(f"part-{number + 1}", place) for place in piece] for piece in places]
     far = policy.near_margin + policy.release + NEARLY
     close = [
-        (k, turn, bed, gap)
+        (k, turn, bed, gaps)
         for k, piece in enumerate(mine)
         for turn, place in enumerate(piece)
         for bed in beds
-        for gap in [min(gap_of(place, where, far) for _, where in bed)]
-        if gap < far
+        for gaps in [[gap_of(place, where, far) for _, where in bed]]
+        if not min(gaps) >= far
     ]
-    sunk = {(k, turn) for k, turn, bed, gap in close if len(bed) == 1 and gap < -policy.sink}
+    sunk = {(k, turn) for k, turn, bed, gaps in close if len(bed) == 1 and gaps[0] < -policy.sink}
     rounds = {k for k, piece in enumerate(mine) if len(piece) == 1}
     impossible = {turn for k, turn in sunk if k not in rounds}
     if any(k in rounds for k, _ in sunk) or len(impossible) == count:
         yield Violation(ProofText.TOO_DEEP_ANY_TURN(), arm.name, "extract")
         return
     lift = _Lift(tree, arm, np.asarray(arm_plan.leg("extract").q), policy.release)
-    for k, turn, bed, _ in close:
+    for k, turn, bed, gaps in close:
         if k not in rounds and turn in impossible:
             continue
-        for name, where in bed:
-            begins = gap_of(mine[k][turn], where, far)
+        for (name, where), begins in zip(bed, gaps, strict=True):
             if begins < -policy.sink or begins >= far:
                 continue
             keeps = min(policy.near_margin, least_distance_allowed(begins))
@@ -165,7 +161,9 @@ class _Lift:
         k, gap = 0, begins
         while k < len(gone) - 1:
             k = max(k + 1, int(np.searchsorted(gone, gone[k] + gap - keeps)) - 1)
-            gap = gap_of((shape, self._moves[k] * T), bed, FAR)
+            # Farther than this it stays away from its bed on the rest.
+            far = keeps + gone[-1] - gone[k] + FINE
+            gap = gap_of((shape, self._moves[k] * T), bed, far)
             if gap < keeps:
                 return gap
         return None
