@@ -6,6 +6,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from workbench.app.core.cell.part_edits import edited_part
+from workbench.app.filling.found_grips import make_found_commands
 from workbench.app.picking.judging import judge
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
@@ -57,6 +59,18 @@ def test_an_empty_library_that_permits_a_search_gives_a_proven_plan_for_two_arms
     assert plan.digest == plan_pick(cell, pile, "scan", seed=3).plan.digest
     working = {each.detection for each in judge(cell, pile, seed=3) if each.verdict.is_ok}
     assert working == {0, 1}
+
+
+def test_found_grips_that_are_added_to_the_library_are_taken_by_the_next_plan(cell, pile, result):
+    (command,) = make_found_commands(cell, result.plan)
+    assert {entry.tool for entry in command.now} == {arm.tool.name for arm in cell.arms}
+    part = edited_part(cell.parts[0], command)
+    assert len(part.library.entries) == 2 and part.library.searches
+    known = replace(cell, parts=(part, *cell.parts[1:]))
+    again = plan_pick(known, pile, "scan", seed=3)
+    assert again.proof is not None and again.proof.holds
+    assert not any(arm.found for arm in again.plan.arms)
+    assert make_found_commands(known, again.plan) == []
 
 
 def test_without_the_permission_there_is_no_plan_and_the_proof_refuses_that_one(cell, pile, result):

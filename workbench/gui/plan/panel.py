@@ -1,6 +1,10 @@
 """The tab that shows a plan: facts, lanes, and curves over time."""
 
+import viser
+
+from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.core.cycle.planning import MOST_OUTLINES, MakePlan
+from workbench.app.filling.found_grips import make_found_commands
 from workbench.gui.drawing.nearest import PlanLinks, proof_html
 from workbench.gui.plan.curves import doing, lanes_html, now_html, plots_of
 from workbench.gui.plan.views import outlines_html, plan_html
@@ -28,6 +32,15 @@ class PlanPanel:
         cell = visitor.cell
         gui = visitor.gui
         self._summary = gui.add_html("")
+        self._add_found = gui.add_button(
+            "Add the found grip to the library",
+            icon=viser.Icon.PLUS,
+            color="gray",
+            hint="The next plan tries it before it searches. This plan is void then. "
+            "Undo takes it back.",
+            visible=False,
+        )
+        self._add_found.on_click(lambda _: self._keep_grips())
         self._nearest = gui.add_html("")
         self._lanes = gui.add_html("")
         self._cursor = gui.add_html("")
@@ -57,6 +70,10 @@ class PlanPanel:
         state, runs, seconds = view.state, view.runs, view.plan_seconds
         cell, taken = state.cell, "" if state.plan is None else state.plan.digest
         outlines = outlines_html(state.outlines, taken, self._plans, self._visitor.words)
+        may_add = not self._visitor.obstacle(state, EditPart)
+        self._add_found.visible = (
+            may_add and state.plan is not None and any(arm.found for arm in state.plan.arms)
+        )
         if state.plan is None:
             hint = line("A plan can be played here once it was made.", kind="hint")
             self._summary.content = hint + outlines
@@ -88,6 +105,12 @@ class PlanPanel:
     def _show_values(self, time: float) -> None:
         for (_, legend), plot in zip(self._drawn, self._plots, strict=False):
             legend.content = legend_html(plot, time)
+
+    def _keep_grips(self) -> None:
+        """Add the grips that the plan's search has found to the libraries of their parts."""
+        state = self._visitor.bench.state
+        for command in make_found_commands(state.cell, state.plan) if state.plan else ():
+            self._visitor.ask(lambda command=command: command)
 
     def _again(self, number: int) -> None:
         """Make a plan of the table once more: what is taken is always the plan made last."""

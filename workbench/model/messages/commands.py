@@ -136,6 +136,7 @@ class GraspEditText(Text, subject="grasp-edit"):
     FILLED = "{count} {count:family|families} of grasps fill the library"
     SUGGESTED = "{count} suggested grasps are added"
     ADDED = "{grasp} is added"
+    FOUND = "grips of a search are added: {grasps:and}"
     ADDED_FOR_COVERAGE = "{grasp} is added where no grasp worked"
     EDITED = "{grasp} is edited"
     DELETED = "{grasp} is deleted"
