@@ -133,6 +133,7 @@ HOW: Mapping[type, str] = {
     top.UserCommands: "serving.user:user",
     top.StatisticsArguments: "sessions.statistics:print_statistics",
     top.Evidence: "sessions.evidence:evidence",
+    top.Acceptance: "sessions.acceptance:write_acceptance",
     top.Backup: "serving.backup:backup",
     top.Restore: "serving.backup:restore",
     top.Compile: "compiling:compile_ahead",

@@ -21,6 +21,7 @@ th, td { text-align: left; vertical-align: top; padding: 0.25rem 0.6rem 0.25rem 
   border-bottom: 1px solid #d9dde3; overflow-wrap: anywhere; }
 th { color: #4a4f57; font-weight: 600; }
 th[scope=row] { width: 9.5rem; } th[scope=col] { white-space: nowrap; }
+td:empty { height: 2.2rem; }
 .nowrap { white-space: nowrap; font-variant-numeric: tabular-nums; }
 @media print { body { margin: 0; max-width: none; font-size: 9pt; } tr { break-inside: avoid; } }
 @page { size: A4; margin: 15mm; }

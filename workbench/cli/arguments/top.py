@@ -35,7 +35,14 @@ from workbench.cli.arguments.scanner import ScannerCommands
 from workbench.cli.arguments.serving import Serve
 from workbench.cli.arguments.session import SessionCommands
 from workbench.cli.arguments.studies import Study
-from workbench.cli.arguments.upkeep import Compile, Doctor, Evidence, Plugins, StatisticsArguments
+from workbench.cli.arguments.upkeep import (
+    Acceptance,
+    Compile,
+    Doctor,
+    Evidence,
+    Plugins,
+    StatisticsArguments,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -354,6 +361,7 @@ Arguments = (
     | Annotated[OpcUaCommands, subcommand("opcua")]
     | Annotated[StatisticsArguments, subcommand("statistics")]
     | Annotated[Evidence, subcommand("evidence")]
+    | Annotated[Acceptance, subcommand("acceptance")]
     | Annotated[Backup, subcommand("backup")]
     | Annotated[Restore, subcommand("restore")]
     | Annotated[Compile, subcommand("compile")]

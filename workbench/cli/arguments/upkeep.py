@@ -40,6 +40,27 @@ class Evidence:
 
 
 @dataclass(frozen=True, slots=True)
+class Acceptance:
+    """Write the record by which a cell is accepted: the last picks against targets, with causes.
+
+    It also states the steps of commissioning, success by part, grasp and arm, and has lines for
+    signatures.  Ends with 1 when a target is missed.
+    """
+
+    sessions: Positional[tuple[Path, ...]]
+    """Folders of sessions of one cell, the latest last; its checklist and cell count."""
+    out: Path = Path("acceptance.html")
+    """File to write: HTML, or PDF where it ends with .pdf (needs the extra `evidence`)."""
+    picks: int = 200
+    """How many picks are judged: the last ones."""
+    share: float = 0.98
+    """Share of these picks that must be taken, 0 to 1."""
+    seconds: Maybe[float] = None
+    """Time for each part taken that must not be exceeded [s], without approvals."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class Doctor:
     """Say what is installed, what is missing, and the command that installs it.
 

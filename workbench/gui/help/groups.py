@@ -8,7 +8,7 @@ import viser
 
 SCAN, FIND, PLAN, SEND = "scan", "find-parts", "plan", "send"
 GRASPS, CELL, CALIBRATION = "put-grasps-on-a-part", "change-the-cell", "calibrate-the-scanner"
-BACKUP, EMPTYING = "backup", "empty-a-full-bin-in-simulation"
+BACKUP, ACCEPTANCE, EMPTYING = "backup", "acceptance", "empty-a-full-bin-in-simulation"
 
 HELP: Mapping[str, tuple[str, str]] = {
     "1 · Scan": (
@@ -188,6 +188,12 @@ HELP: Mapping[str, tuple[str, str]] = {
         "Bring the robot to a pose in which the scanner sees the plate, and scan it. Eight "
         "poses are good, four are the least. They should differ much, in place and in turn.",
         CALIBRATION,
+    ),
+    "Acceptance": (
+        "The record by which a customer accepts the cell, of this session. It compares the last "
+        "picks with what was agreed, and states causes and the steps of commissioning. A pick "
+        "whose result nobody reported counts as not taken.",
+        ACCEPTANCE,
     ),
     "Restore a backup": (
         "A backup that was taken here, or with the command, is read as a whole, and what it would "

@@ -14,6 +14,7 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.plots import Curve, Plot, legend_html, plot_html
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.statistics.acceptance import AcceptanceControls
 from workbench.gui.statistics.learning import LearningControls
 from workbench.gui.statistics.restoring import RestoreControls
 from workbench.gui.statistics.views import statistics_html
@@ -45,6 +46,7 @@ class StatisticsPanel:
         self._cycles = gui.add_html("")
         self._save = gui.add_button("Save as CSV", icon=viser.Icon.DOWNLOAD, color="gray")
         self._save.on_click(lambda _: self._download())
+        self._acceptance = None if visitor.is_recorded else AcceptanceControls(visitor)
         self._restore: RestoreControls | None = None
         if not visitor.is_recorded and visitor.person.role.covers(Role.ENGINEER):
             gui.add_html(ALONG)
@@ -54,6 +56,8 @@ class StatisticsPanel:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         self._shown = new
+        if self._acceptance is not None:
+            self._acceptance.show(new)
         if self._restore is not None and (
             old is None or old.state is not new.state or old.live is not new.live
         ):

@@ -1,0 +1,74 @@
+"""The record by which a cell is accepted, of the session that runs, as a file to take along."""
+
+from typing import Any
+
+import viser
+
+from workbench.app.evidence.acceptance import Targets, judge_acceptance, session_words
+from workbench.app.evidence.pages import html_page
+from workbench.app.review.commissioning import checklist
+from workbench.app.runtime.bench import Bench
+from workbench.gui.help.groups import group
+from workbench.gui.shared.look import View
+from workbench.gui.shared.visitor import Visitor
+
+FILE = "acceptance.html"
+
+
+class AcceptanceControls:
+    """What was agreed, and a button that writes the record.
+
+    Concurrency: callbacks of viser and the renderer's thread; the view is replaced as a whole.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls."""
+        self._visitor = visitor
+        self._shown: View | None = None
+        gui, usual = visitor.gui, Targets()
+        with group(gui, "Acceptance", expand_by_default=False):
+            self._picks = gui.add_number(
+                "Picks", usual.picks, min=1, step=1, hint="How many are judged: the last ones."
+            )
+            self._share = gui.add_number(
+                "Parts taken [%]", 100 * usual.share, min=0.1, max=100, step=0.1
+            )
+            self._seconds = gui.add_number(
+                "Time of a part [s]",
+                0.0,
+                min=0.0,
+                step=0.1,
+                hint="Of whole cycles without the approval, for each part taken. 0: not agreed.",
+            )
+            save = gui.add_button(
+                "Save the acceptance record",
+                icon=viser.Icon.DOWNLOAD,
+                color="gray",
+                hint="Picks against these targets, causes, the steps of commissioning, and lines "
+                "for signatures.",
+            )
+
+        @save.on_click
+        def _(_: Any) -> None:
+            visitor.attempt(self._save)
+
+    def show(self, new: View) -> None:
+        """The record will be of this view."""
+        self._shown = new
+
+    def _save(self) -> None:
+        view, bench = self._shown, self._visitor.bench
+        if view is None or not isinstance(bench, Bench):
+            return
+        seconds = float(self._seconds.value) or None
+        targets = Targets(int(self._picks.value), float(self._share.value) / 100, seconds)
+        judged = judge_acceptance(
+            view.state,
+            [session_words(bench.folder.name, *bench.head)],
+            checklist(view.state, view.statistics, view.at),
+            view.statistics,
+            targets,
+            view.at,
+        )
+        content = html_page(judged.title, judged.tables)
+        self._visitor.client.send_file_download(FILE, content)
