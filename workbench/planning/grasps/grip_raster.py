@@ -39,6 +39,9 @@ AIR = 0.0015
 EXAMINED = 60
 """Grips of a batch that fit at a part and are checked whether they hold, in a search."""
 
+CHOICE = 4
+"""Grips that hold, for each that is wanted: those that hold best are taken."""
+
 BATCH = 12_000
 """Grips that are tried together where some are searched."""
 
@@ -82,6 +85,7 @@ class Grips:
             np.full((len(p), 2), NOTHING),
         )
         self._known: dict[int, Grasp | None] = {}
+        self._remarks: dict[int, int] = {}
         centre = centre_of_mass(part.mesh)
         size = float(np.linalg.norm(np.ptp(part.mesh.points, axis=0))) / 2
         self._ring = np.floor(RINGS * np.linalg.norm(p - centre, axis=1) / size)
@@ -94,16 +98,20 @@ class Grips:
             clear: (n,) grips that are tried, see `clear_grips`.
             most: grips that are wanted.
         """
-        found: list[Grasp] = []
+        if most == 0:
+            return ()
+        found: list[int] = []
         order = np.random.default_rng(0).permutation(clear)
         for numbers in np.split(order, range(BATCH, len(order), BATCH)):
             free = numbers[fit(self.hands.some(numbers))][:EXAMINED]
-            near_first = free[np.argsort(self._ring[free], kind="stable")]
-            holding = filter(None, map(self.grasp, near_first.tolist()))
-            found += islice(holding, most - len(found))
-            if len(found) == most:
+            near_first = free[np.argsort(self._ring[free], kind="stable")].tolist()
+            holding = (number for number in near_first if self.grasp(number) is not None)
+            found += islice(holding, CHOICE * most - len(found))
+            if len(found) >= most:
                 break
-        return tuple(found)
+        # Those that the check has no remark on hold better than those with one.
+        found.sort(key=lambda number: self._remarks[number])
+        return tuple(filter(None, map(self.grasp, found[:most])))
 
     def grasp(self, number: int) -> Grasp | None:
         """One as a grasp; None where it does not hold the part, or the tool cuts into it."""
@@ -126,7 +134,9 @@ class Grips:
         else:
             widths = 0.0, 0.0
         grasp = Grasp(f"found-{number}", T, *widths, priority=FOUND_PRIORITY, is_found=True)
-        return grasp if self._checker.check(grasp).is_ok else None
+        check = self._checker.check(grasp)
+        self._remarks[number] = len(check.findings)
+        return grasp if check.is_ok else None
 
 
 @lru_cache(maxsize=16)

@@ -33,8 +33,8 @@ ENOUGH = 2
 """Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
 
 ROUNDS = ((0, 3), (3, 10))
-"""The first and the last of the grips of a part that are proposed in each round of a search: most
-parts that come out do so by one of a few."""
+"""How many grips of a part were proposed before each round of a search, and are then: most parts
+that come out do so by one of a few."""
 
 
 def propose(
@@ -119,7 +119,9 @@ def search_candidates(
             grips = grips_of(part, arm.tool, _acceleration(world.cell, part, arm.tool))
             fit = partial(world.tool_check.free, arm, number)
             clear = clear_grips(world.cell, part, arm)
-            known[arm.tool.name] = grips.search(fit, clear, most)[first:]
+            before = grips.search(fit, clear, first)
+            wanted = grips.search(fit, clear, most)
+            known[arm.tool.name] = tuple(grip for grip in wanted if grip not in before)
         if known[arm.tool.name]:
             found += _candidates(world, [number], known[arm.tool.name], arm)
     return tuple(sorted(found, key=lambda c: (not c.verdict.is_ok, c.rank)))
