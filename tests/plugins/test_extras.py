@@ -81,8 +81,26 @@ def test_what_lacks_is_named(world, words, says):
 def test_an_extra_that_is_there_gives_its_function():
     pytest.importorskip("pymodbus")
     assert from_extra("modbus.serving:serve_modbus", "").__name__ == "serve_modbus"
-    with pytest.raises(InputError, match="needs the library pymodbus"):
+    with pytest.raises(ModuleNotFoundError, match="no_such_module"):
         from_extra("modbus.no_such_module:serve", "this needs")
+
+
+@pytest.mark.parametrize(
+    "missing, says",
+    [
+        ("asyncua.ua", "the library asyncua: pip install 'workbench[opcua]'"),
+        ("aiofiles", "the library aiofiles, which is not installed"),
+        ("workbench.extras", "the library asyncua: pip install 'workbench[opcua]'"),
+    ],
+)
+def test_what_is_missing_is_named_and_not_what_is_there(monkeypatch, missing, says):
+    def fails(name):
+        raise ModuleNotFoundError(name, name=missing)
+
+    monkeypatch.setattr("workbench.plugins.extras.importlib.import_module", fails)
+    with pytest.raises(InputError) as error:
+        from_extra("opcua.serving:serve_opcua", "--opcua needs")
+    assert str(error.value) == f"--opcua needs {says}"
 
 
 def test_whatever_an_extra_needs_lacks_in_these_tests():

@@ -20,16 +20,21 @@ def from_extra(target: str, who: str) -> Any:
 
     Raises:
         InputError: the extra, or a library that it needs, is not installed.
+        ModuleNotFoundError: the extra is there, but names no module of ours.
     """
     module, _, name = target.partition(":")
+    extra = module.partition(".")[0]
     try:
         return getattr(importlib.import_module(f"{SHELF}.{module}"), name)
     except ModuleNotFoundError as error:
-        raise InputError(f"{who} {needed(module.partition('.')[0])}") from error
-
-
-def needed(extra: str) -> str:
-    """What to install for an extra, as a sentence ends that says what is missing."""
-    if extra not in LIBRARIES:
-        return f"{SHELF}.{extra}, which is not installed"
-    return f"the library {LIBRARIES[extra]}: pip install 'workbench[{extra}]'"
+        library, missing = LIBRARIES.get(extra), error.name or ""
+        is_whole = f"{SHELF}.{extra}".startswith(missing)
+        if library is not None and (is_whole or missing.partition(".")[0] == library):
+            says = f"the library {library}: pip install 'workbench[{extra}]'"
+        elif is_whole:
+            says = f"{SHELF}.{extra}, which is not installed"
+        elif missing.startswith("workbench"):
+            raise
+        else:
+            says = f"the library {missing}, which is not installed"
+        raise InputError(f"{who} {says}") from error
