@@ -79,11 +79,13 @@ def test_undo_and_redo_walk_along_the_changes(approved):
     for expected in (2, 1, 0):
         state, effects = after(state, UndoCell())
         assert state.cell.digest == cells[expected].digest == effects[0].cell.digest
+        assert str(state.message) == f"undone: to 0.{expected + 1}"
     with pytest.raises(CommandRefused, match="no change of the cell to undo"):
         after(state, UndoCell())
     for expected in (1, 2, 3):
         state, _ = after(state, RedoCell())
         assert state.cell.digest == cells[expected].digest
+        assert str(state.message) == f"made again: to 0.{expected}"
     with pytest.raises(CommandRefused, match="no change of the cell to redo"):
         after(state, RedoCell())
     state, _ = after(state, UndoCell())

@@ -15,8 +15,9 @@ from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, NextStep, SendPlan, Sent, Stop
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send, StopSending
-from workbench.app.core.state import Phase
+from workbench.app.core.state import EditedCell, Phase
 from workbench.model.cell import PlanOverrides
+from workbench.model.messages.message import plain
 from workbench.model.messages.plans import RowEnd
 from workbench.model.release import PartReport, Receipt
 from workbench.plugins.robot_link import controller_by
@@ -299,7 +300,8 @@ def test_how_many_picks_are_wanted_is_checked(samples, in_rows):
 
 def test_an_undo_of_the_cell_takes_the_row_along(in_rows):
     line = approved(in_rows)
-    line.state = replace(line.state, before=(replace(line.state.cell, name="other"),))
+    other = EditedCell(replace(line.state.cell, name="other"), plain("renamed"))
+    line.state = replace(line.state, before=(other,))
     line.do(UndoCell())
     assert line.state.plan is None and line.state.row == () and line.state.approval is None
     assert sent(line) == []

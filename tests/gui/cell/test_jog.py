@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from shipped import shipped
 
-from workbench.app.core.state import State
+from workbench.app.core.state import EditedCell, State
 from workbench.gui.cell.jog import JogFinder, lead_to
 from workbench.gui.cell.views import cell_line, contacts_html, tree_html
 from workbench.gui.shared.movable_frames import (
@@ -26,6 +26,7 @@ from workbench.gui.shared.movable_frames import (
 )
 from workbench.model.digest import digest_of
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.message import plain
 from workbench.planning.kinematics.chain import chain_of
 
 CELL = shipped("yumi")
@@ -124,7 +125,9 @@ def test_homes_and_places_are_taught():
 def test_the_line_about_the_file():
     cell = CELL
     assert "As in its file" in cell_line(State(cell, saved=cell.digest))
-    assert "Changed and not saved" in cell_line(State(cell, saved="other", before=(cell,)))
+    assert "Changed and not saved" in cell_line(
+        State(cell, saved="other", before=(EditedCell(cell, plain("moved")),))
+    )
     said = cell_line(State(cell, saved=cell.digest, cell_problem="key <bin>: is missing"))
     assert "cannot be used" in said and "<bin>" not in said
 

@@ -3,7 +3,7 @@
 import dataclasses
 import enum
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from workbench.app.provenance.inventory import Inventory
 from workbench.model.calibration import PlateObservation
@@ -135,6 +135,13 @@ class Ahead:
     brought: tuple[tuple[Job, Any, float], ...] = ()
 
 
+class EditedCell(NamedTuple):
+    """A cell that an undo or a redo goes back to, and the change that is undone or made again."""
+
+    cell: Cell
+    change: Message
+
+
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class SessionState:
     """What only the end of the session ends.
@@ -161,8 +168,8 @@ class SessionState:
 
     cell: Cell = field(kw_only=False)
     number: int = 0
-    before: tuple[Cell, ...] = ()
-    undone: tuple[Cell, ...] = ()
+    before: tuple[EditedCell, ...] = ()
+    undone: tuple[EditedCell, ...] = ()
     saved: str = ""
     cell_problem: str = ""
     placed: tuple[Detection, ...] = ()

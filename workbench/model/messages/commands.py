@@ -99,8 +99,8 @@ class NameText(Text, subject="name"):
 class EditText(Text, subject="edit"):
     """Remarks on what was done to cell, detections and calibration."""
 
-    CELL_UNDONE = "the last change of the cell is undone"
-    CELL_REDONE = "the last undone change of the cell is made again"
+    CELL_UNDONE = "undone: {change}"
+    CELL_REDONE = "made again: {change}"
     CELL_AS_FILE = "the cell is as in its file"
     CELL_SAVED = "the cell is saved"
     CELL_FILE_CHANGED = "the cell file was changed and is read again"

@@ -10,6 +10,7 @@ from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Ri
 from workbench.app.core.effects import KeepDrafts, UseCell, WriteCell
 from workbench.app.core.people import Role
 from workbench.app.core.state import (
+    EditedCell,
     Phase,
     PlanState,
     ScanState,
@@ -28,7 +29,7 @@ from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import put
 from workbench.model.messages.cells import RecipeText
 from workbench.model.messages.commands import CommandText, EditText
-from workbench.model.messages.message import Message, plain
+from workbench.model.messages.message import Message, as_message, plain
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
 from workbench.model.part_edits import differ_in_grasps_only
@@ -154,22 +155,23 @@ class EmptyPallets(Command):
 def changed_cell(state: State, cell: Cell, says: Message | str) -> Changed:
     """The state with another cell, which an undo can take back; `says` names the change."""
     after, effects = with_cell(state, cell, says)
-    return replace(after, before=(state.cell, *state.before)[:MOST_UNDO], undone=()), effects
+    before = (EditedCell(state.cell, as_message(says)), *state.before)[:MOST_UNDO]
+    return replace(after, before=before, undone=()), effects
 
 
 def undone(state: State) -> Changed:
     """The state with the cell before the last change."""
-    cell, *before = state.before
-    after, effects = with_cell(state, cell, EditText.CELL_UNDONE())
-    undone = (state.cell, *state.undone)[:MOST_UNDO]
+    (cell, change), *before = state.before
+    after, effects = with_cell(state, cell, EditText.CELL_UNDONE(change=change))
+    undone = (EditedCell(state.cell, change), *state.undone)[:MOST_UNDO]
     return replace(after, before=tuple(before), undone=undone), effects
 
 
 def redone(state: State) -> Changed:
     """The state with the cell before the last undo."""
-    cell, *undone = state.undone
-    after, effects = with_cell(state, cell, EditText.CELL_REDONE())
-    before = (state.cell, *state.before)[:MOST_UNDO]
+    (cell, change), *undone = state.undone
+    after, effects = with_cell(state, cell, EditText.CELL_REDONE(change=change))
+    before = (EditedCell(state.cell, change), *state.before)[:MOST_UNDO]
     return replace(after, before=before, undone=tuple(undone)), effects
 
 
