@@ -32,26 +32,29 @@ def line(cell) -> Line:
     return Line(replace(cell, bin=right, other_bins=(left,), recipes=recipes))
 
 
-def test_another_bin_keeps_the_scan_and_voids_the_parts_found(line, samples):
+def test_another_bin_voids_the_scan_and_the_parts_found(line, samples):
     line.do(TakeScan())
     line.ended(samples.scan(line.state.number))
     line.do(FindParts())
     line.ended(samples.detections())
     before = line.state.cell.digest
     state = line.do(ChooseBin("left"))
-    assert (state.cell.bin.name, state.phase, state.detections) == ("left", Phase.SCANNED, None)
+    assert (state.cell.bin.name, state.phase, state.detections) == ("left", Phase.IDLE, None)
+    assert state.scan is None
     assert "bin left" in str(state.message)
     assert line.do(ChooseBin("left")).cell is state.cell
     state = line.do(ChooseBin("right"))
     assert state.cell.digest == before and state.whole is None
 
 
-def test_a_file_that_loses_the_chosen_bin_is_used_as_it_stands(line):
+def test_a_file_that_loses_the_chosen_bin_is_used_as_it_stands(line, samples):
     whole = line.state.cell
     line.do(ChooseBin("left"))
+    line.do(TakeScan())
+    line.ended(samples.scan())
     without = replace(whole, other_bins=(), recipes=())
     state = line.do(CellRead(without), CELL_FILE)
-    assert (state.cell.digest, state.whole) == (without.digest, None)
+    assert (state.cell.digest, state.whole, state.scan) == (without.digest, None, None)
     assert "the cell is used as its file states it" in str(state.message)
 
 
@@ -79,6 +82,8 @@ def test_a_recipe_takes_its_bin_along_and_others_keep_the_one_that_is_chosen(lin
 def test_unknown_bins_are_refused_and_the_cell_is_edited_with_its_first_bin(line):
     with pytest.raises(CommandRefused, match="has no bin third; it has right, left"):
         line.do(ChooseBin("third"))
+    with pytest.raises(CommandRefused, match="has no bin ''; it has right, left"):
+        line.do(ChooseBin(""))
     line.do(ChooseBin("left"))
     with pytest.raises(CommandRefused, match="has to wait while bin left is chosen; choose bin r"):
         line.do(SaveCell(""))

@@ -167,7 +167,7 @@ class CyclePanel:
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
         self._recipe.show(None if old is None else old.state, state)
-        self._bin.show(state)
+        self._bin.show(new)
         self._kit.show(new)
         self._show_kinds(state.cell)
         self._threshold.follow(None if old is None else old.state, state)

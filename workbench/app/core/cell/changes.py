@@ -186,6 +186,9 @@ def cell_read(state: State, command: CellRead) -> Changed:
         try:
             cell = as_chosen(whole, number, in_force.bin.name)
         except InputError as error:
+            if in_force.bin.name != whole.bin.name:
+                # The scan was of a bin that nobody takes parts from any more.
+                after = begin_stage(after, ScanState, stale=after.stale)
             return replace(after, message=RecipeText.UNFIT(problem=error.message)), effects
     after = replace(after, cell=cell, whole=None if cell.digest == whole.digest else whole)
     return after, tuple(UseCell(cell) if isinstance(e, UseCell) else e for e in effects)
@@ -217,7 +220,7 @@ def _read(state: State, command: CellRead) -> Changed:
 
 
 def with_cell(state: State, cell: Cell, message: Message | str) -> Changed:
-    """The state with another cell: a scan stays as long as the scanner does, all else does not.
+    """The state with another cell: a scan stays as long as scanner and bin do, all else does not.
 
     With other grasps the parts found stay where they are.
     """
@@ -227,6 +230,8 @@ def with_cell(state: State, cell: Cell, message: Message | str) -> Changed:
     if differ_in_grasps_only(cell, state.cell):
         return _with_grasps(state, cell, message)
     same_view = digest_of(cell.scanner) == digest_of(state.cell.scanner)
+    # What another bin holds may have been changed since the scan.
+    same_view &= cell.bin.name == state.cell.bin.name
     scan = state.scan if same_view and state.phase is not Phase.DONE else None
     stale = stale_by(state, difference(state.cell, cell))
     state = replace(before_a_scan(state), cell=cell)

@@ -21,6 +21,7 @@ from workbench.app.core.state import (
 )
 from workbench.app.core.value_checks import check_says
 from workbench.model.cell import Cell
+from workbench.model.derived.by_bin import bin_around
 from workbench.model.derived.row_parts import number_in, parts_taken
 from workbench.model.digest import LATER
 from workbench.model.errors import CommandRefused
@@ -299,10 +300,12 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
                 for placed_part in state.placed
             ),
         )
-        x, y, z = (state.cell.bin.T_world_bin.inverse() * detection.T_world_part).translation
+        # Another bin may have been chosen since.
+        box = bin_around(state.cell, detection.T_world_part.translation)
+        x, y, z = box.T_world_bin.actInv(detection.T_world_part.translation)
         place = (float(x), float(y), float(z))
         until = at + AVOID_MINUTES * 60.0
-        mark = Avoided(detection.part, place, until, AVOID_SCANS, command.why)
+        mark = Avoided(detection.part, place, until, AVOID_SCANS, command.why, box.name)
         state = replace(state, avoided=(*elsewhere, mark))
     return stop_after_failures(state)
 
@@ -358,5 +361,7 @@ def avoided_parts(state: State, at: float) -> tuple[tuple[int, Message], ...]:
 
 
 def _is_at(cell: Cell, detection: Detection, avoided: Avoided) -> bool:
-    p_bin = (cell.bin.T_world_bin.inverse() * detection.T_world_part).translation
-    return detection.part == avoided.part and math.dist(p_bin, avoided.p_bin) < SAME_PLACE
+    p_world = detection.T_world_part.translation
+    box = bin_around(cell, p_world)
+    is_there = math.dist(box.T_world_bin.actInv(p_world), avoided.p_bin) < SAME_PLACE
+    return (detection.part, box.name) == (avoided.part, avoided.bin) and is_there
