@@ -105,6 +105,19 @@ def test_a_written_cell_is_read_again(tmp_path: Path) -> None:
     assert again.scanner.T_world_scanner.isApprox(cell.scanner.T_world_scanner, 1e-5)
 
 
+@pytest.mark.parametrize("turn", ["[0, 90, 0]", "[30, 90, -50]", "[180, -90, 20]"])
+def test_a_scanner_turned_by_90_degrees_about_y_is_written_and_read_again(
+    spoil: Spoil, tmp_path: Path, turn: str
+) -> None:
+    path = spoil("position_mm = [0, -75, 35]", f"position_mm = [0, -75, 35]\nrpy_deg = {turn}")
+    cell = read_cell(path)
+    again = write_cell(tmp_path / "made", cell, {})
+    shutil.copytree(find("parts", "keyed_cylinder"), again.parent / "keyed_cylinder")
+    mine, other = cell.scanner.on_arm, read_cell(again).scanner.on_arm
+    assert mine is not None and other is not None
+    assert mine.T_flange_scanner.isApprox(other.T_flange_scanner, 1e-5)
+
+
 def test_a_robot_that_is_moved_takes_its_scanner_along(spoil: Spoil) -> None:
     path = spoil("parts = ", "parts = ")
     cell = read_cell(path)
