@@ -80,6 +80,7 @@ def test_a_view_is_stated_by_the_pose_of_the_scanner_as_well(spoil: Spoil) -> No
         (JOINTS, f"{JOINTS}\nposition_mm = [410, 0, 480]", "either the 7 joints of arm left"),
         (JOINTS, JOINTS.replace("-33.9", "60"), "60 for axis 2 is outside -143.5 to 43.5"),
         (JOINTS, "position_mm = [1500, 0, 480]", "the view is out of reach of arm left, "),
+        ('name = "bin"', 'name = "home"', "a view cannot be called home: that is where"),
         ('name = "camera"', 'name = "palm"', "'palm' is a solid of tool smart_gripper"),
         ('name = "camera"', 'name = "bracket"', "'bracket' is there 2 times"),
     ],

@@ -215,7 +215,7 @@ class CyclePanel:
             Phase.LOCALIZED: self._plan,
             Phase.PLANNED: self._play.button if is_next else self._approve,
             Phase.APPROVED: self._send,
-            Phase.DONE: self._scan if _has_reached_view(state) else self._go_on.button,
+            Phase.DONE: begin if _has_moved_scanner(state) else self._go_on.button,
         }
         visitor.emphasise(next_step.get(state.phase))
         follows = visitor.is_recorded or bool(visitor.lacks(state, TakeScan))
@@ -309,8 +309,8 @@ def _digest(state: State) -> str:
     return state.plan.digest if state.plan is not None else ""
 
 
-def _has_reached_view(state: State) -> bool:
-    """Whether what was sent has only taken the scanner to its view."""
+def _has_moved_scanner(state: State) -> bool:
+    """Whether what was sent has only taken the scanner to its view, or home."""
     return state.plan is not None and state.plan.is_view_plan
 
 

@@ -208,9 +208,9 @@ CALLS: tuple[Call, ...] = (
     ),
     Call(
         "/view",
-        "Plan and prove the path of an arm's scanner to its view.",
+        "Plan and prove the path of an arm's scanner to its view, or back.",
         PlanView,
-        (SEED, Field("view", "name of the view; empty: that of the cell", _text(LONGEST_NAME), "")),
+        (SEED, Field("view", "its name; empty: that of the cell; `home`", _text(LONGEST_NAME), "")),
         begins=True,
     ),
     Call(

@@ -167,10 +167,12 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
 
 
 def _finished_message(state: State, placed: int, expected: int) -> Message:
-    """How many parts were placed; or that the scanner is at its view."""
+    """How many parts were placed; or that the scanner is at its view, or its arm at home."""
     carrier = state.cell.scanner.on_arm
     if carrier is None or state.plan is None or not state.plan.is_view_plan:
         return StateText.CYCLE_FINISHED(count=placed, total=expected)
+    if carrier.leads_home(state.plan.arms[0].legs[0].q):
+        return StateText.REACHED_HOME(arm=carrier.arm)
     return StateText.REACHED_VIEW(arm=carrier.arm, view=carrier.view.name)
 
 
