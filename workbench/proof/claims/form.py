@@ -164,7 +164,7 @@ def _view(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
     path = np.asarray(arm_plan.legs[0].q) if arm_plan.legs else np.empty(0)
     ends = carrier.home, carrier.view.q
     if len(path) and path.shape[1:] == carrier.view.q.shape and carrier.leads_home(path):
-        ends = ends[::-1]
+        ends = carrier.view.q, carrier.home
     yield from _legs(cell, arm_plan, VIEW_LEGS, ends)
 
 
