@@ -154,7 +154,8 @@ class SessionState:
     asked for it, the first one first.
     `unscanned` is what was sent where no scan has followed and the plan is gone already: after a
     fault that was acknowledged, or another cell.
-    `whole` is the cell without a recipe while one is chosen; `cell` is the cell by that recipe.
+    `whole` is the cell as its file has it while a recipe or another than its first bin is chosen;
+    `cell` is the cell by these.
     `unapproved_by` is the engineer who has switched approval off, empty while it is on; it counts
     only while the robot link sends poses alone.
     `kit` is how far kits by the recipe that is chosen have come.

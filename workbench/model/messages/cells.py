@@ -85,7 +85,6 @@ class BinChoiceText(Text, subject="bin_choice"):
     IN_USE = "bin {name} is picked from: say that it is new after the task or motion"
     ONLY = "cell {cell} has one bin only"
     UNKNOWN = "cell {cell} has no bin {name}; it has {known}"
-    CELL_FIXED = "{command} has to wait while bin {name} is chosen; choose bin {first} first"
 
 
 class AssemblyText(Text, subject="assembly"):

@@ -3,6 +3,7 @@
 What was made for the cell before is gone.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
@@ -22,6 +23,7 @@ from workbench.app.core.state import (
 from workbench.app.core.value_checks import check_cell, check_says, check_text
 from workbench.formats.cells.differences import difference
 from workbench.model.cell import Cell
+from workbench.model.derived.by_bin import with_bin
 from workbench.model.derived.by_recipe import as_chosen
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused, InputError
@@ -56,9 +58,15 @@ class ChangeCell(Command):
         check_cell(self.cell)
         if self.cell.digest == state.cell.digest:
             raise CommandRefused(ChangeRefusal.CELL_AS_IT_WAS())
+        try:
+            for known in (state.cell, state.whole or state.cell):
+                with_bin(self.cell, known.bin.name)
+        except InputError as error:
+            raise CommandRefused(error.message) from error
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return changed_cell(state, self.cell, self.says)
+        # By the bin that the state has, which is the first one while the file is changed.
+        return changed_cell(state, with_bin(self.cell, state.cell.bin.name), self.says)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,6 +157,16 @@ class EmptyPallets(Command):
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return replace(state, placed=(), message=StateText.PALLETS_EMPTY()), ()
+
+
+def change_whole(state: State, change: Callable[[State], Decision]) -> Decision:
+    """A change made to the cell as its file has it, of which a bin may be chosen and stays so."""
+    if state.whole is None:
+        return change(state)
+    after, effects = change(replace(state, cell=state.whole, whole=None))
+    whole, cell = after.cell, with_bin(after.cell, state.cell.bin.name)
+    after = replace(after, cell=cell, whole=whole if whole.digest != cell.digest else None)
+    return after, tuple(UseCell(cell) if isinstance(e, UseCell) else e for e in effects)
 
 
 def changed_cell(state: State, cell: Cell, says: Message | str) -> Changed:
