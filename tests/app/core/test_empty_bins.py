@@ -100,6 +100,7 @@ def test_of_a_single_bin_nothing_is_remembered(in_rows):
     line = Line(in_rows.cell)
     assert search(line, in_rows).empty_bins == ()
     assert next_bin(line.state) == ""
+    assert "has one bin only" in refused(line, NewBin(""))
 
 
 def test_a_plan_is_void_once_its_bin_is_new(line, samples):

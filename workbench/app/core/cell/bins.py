@@ -119,6 +119,6 @@ def _by_bin(state: State, name: str) -> Cell:
     """
     try:
         # There an empty name stands for the bin that is chosen.
-        return with_bin(state.cell, name or ("''" if state.cell.other_bins else ""))
+        return with_bin(state.cell, name or "''")
     except InputError as error:
         raise CommandRefused(error.message) from error
