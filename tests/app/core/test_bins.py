@@ -121,6 +121,18 @@ def test_a_change_keeps_the_bins_that_the_cell_has(line):
         line.do(ChangeCell(alone, ""))
 
 
+def test_an_undo_to_a_cell_without_the_chosen_bin_chooses_its_first(line, samples):
+    whole = line.state.cell
+    alone = replace(whole, other_bins=(), recipes=())
+    line.state = replace(line.state, before=(alone,))
+    line.do(ChooseBin("left"))
+    line.do(TakeScan())
+    line.ended(samples.scan())
+    state = line.do(UndoCell())
+    assert (state.cell.digest, state.whole, state.scan) == (alone.digest, None, None)
+    assert line.do(RedoCell()).cell.digest == whole.digest
+
+
 def test_a_recipe_has_to_go_first(line):
     line.do(ChooseRecipe(1))
     with pytest.raises(CommandRefused, match="while recipe 1 is chosen"):

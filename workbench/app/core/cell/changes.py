@@ -164,7 +164,13 @@ def change_whole(state: State, change: Callable[[State], Decision]) -> Decision:
     if state.whole is None:
         return change(state)
     after, effects = change(replace(state, cell=state.whole, whole=None))
-    whole, cell = after.cell, with_bin(after.cell, state.cell.bin.name)
+    whole = after.cell
+    try:
+        cell = with_bin(whole, state.cell.bin.name)
+    except InputError:
+        # A cell of before that bin; the scan was of it.
+        message = after.message
+        return begin_stage(after, ScanState, stale=after.stale, message=message), effects
     after = replace(after, cell=cell, whole=whole if whole.digest != cell.digest else None)
     return after, tuple(UseCell(cell) if isinstance(e, UseCell) else e for e in effects)
 

@@ -159,7 +159,7 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         poses = PosesText.UNPROVEN() if state.cell.controller.motion.sends_poses else None
         message = all_of((message, more, *remarks, poses))
     return begin_stage(
-        with_contents(state, is_empty=_is_exhausted(state.cell, result)),
+        with_contents(state, is_empty=_can_take_nothing(state.cell, result)),
         PlanState,
         phase=phase,
         candidates=result.candidates,
@@ -178,7 +178,7 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
     )
 
 
-def _is_exhausted(cell: Cell, result: PlanResult) -> bool:
+def _can_take_nothing(cell: Cell, result: PlanResult) -> bool:
     """Whether a planning shows that nothing in the bin can be taken.
 
     A kit may lack other kinds later, and more time may bring a plan.
