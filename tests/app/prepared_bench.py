@@ -72,6 +72,15 @@ def results_with_kit() -> Results:
     return replace(usual, cell=cell, planned=planned)
 
 
+def results_with_bins() -> Results:
+    """The same by a cell with the bins right and left, from the first of which parts are taken."""
+    usual = make_results()
+    box = replace(usual.cell.bin, name="right", number=1)
+    away = pose_from_rpy((0, 3.0, 0)) * box.T_world_bin
+    other = replace(box, name="left", number=2, T_world_bin=away)
+    return replace(usual, cell=replace(usual.cell, bin=box, other_bins=(other,)))
+
+
 def make_row(picks: int) -> Results:
     """Four parts that lie apart, all of which are taken in a row of so many plans at most."""
     usual = make_results()

@@ -6,6 +6,7 @@ import pytest
 from playwright.sync_api import expect
 
 from workbench.app.core.cell.bins import ChooseBin
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.state import Phase
 from workbench.app.runtime.bench import Bench
 from workbench.formats.cells.reading import read_cell
@@ -33,7 +34,7 @@ def test_a_bin_is_chosen_and_parts_are_taken_from_it(screen, bench, wait, reache
     chosen.click()
     screen.page.get_by_role("option", name="left").click()
     wait(lambda: bench.state.cell.bin.name == "left", "the bin that was chosen")
-    assert (bench.state.phase, bench.state.detections) == (Phase.SCANNED, None)
+    assert (bench.state.phase, bench.state.scan) == (Phase.IDLE, None)
     screen.wait_for("parts are taken from bin left")
     screen.press("Scan")
     reaches("scanned")
@@ -46,4 +47,13 @@ def test_a_bin_is_chosen_and_parts_are_taken_from_it(screen, bench, wait, reache
     screen.shoot("bins-1-planned")
     bench.do(ChooseBin("right"), "ada")
     expect(chosen).to_have_value("right")
+    bench.do(TakeScan(3, 0), "ada")
+    reaches("scanned")
+    screen.press("Find parts")
+    wait(lambda: bench.state.empty_bins == ("right",), "a bin that is empty")
+    screen.wait_for("Nothing left to take: right.")
+    screen.shoot("bins-2-empty")
+    screen.press("Bin right is new")
+    wait(lambda: bench.state.empty_bins == (), "a bin that is new")
+    screen.wait_for("bin right is new")
     assert [one for one in screen.errors if "favicon" not in one] == []

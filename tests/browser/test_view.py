@@ -35,7 +35,9 @@ def bench(controller, tmp_path):
     bench.close()
 
 
-def test_go_to_view_is_planned_approved_sent_and_then_a_scan_is_taken(screen, bench, reaches, wait):
+def test_go_to_view_is_planned_approved_sent_a_scan_is_taken_and_the_way_back_planned(
+    screen, bench, reaches, wait
+):
     wait(lambda: bool(bench.live.joints), "the controller to report")
     screen.wait_for("Take the scanner to its view to begin")
     expect(screen.button("Scan")).to_be_disabled()
@@ -54,7 +56,12 @@ def test_go_to_view_is_planned_approved_sent_and_then_a_scan_is_taken(screen, be
     reaches("done")
     screen.wait_for("The left arm stands at view bin")
     wait(lambda: is_at_view(bench.cell, bench.live.joints), "the arm to be reported there")
-    expect(screen.button("Go to view")).to_be_disabled()
+    expect(screen.button("Go to view")).to_have_count(0)
     screen.press("Scan")
     assert reaches("scanned").scan is not None
+    screen.press("Go back home")
+    state = reaches("planned")
+    assert state.plan.is_view_plan and state.proof.holds and state.scan is None
+    screen.wait_for("The left arm takes the scanner home, clear of the whole bin")
+    screen.shoot("view-2-back")
     assert not screen.errors

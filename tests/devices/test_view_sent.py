@@ -26,10 +26,23 @@ def cell() -> Cell:
     return on_arm_cell()
 
 
-def approved(cell: Cell) -> tuple[Plan, Approval]:
-    result = plan_view(cell)
+def approved(cell: Cell, view: str = "") -> tuple[Plan, Approval]:
+    result = plan_view(cell, view=view)
     assert result.plan is not None and result.proof is not None
     return result.plan, approve(cell, result.plan, result.proof, "ada", time.time())
+
+
+def test_an_abb_controller_goes_back_home_from_the_view(cell: Cell) -> None:
+    carrier = cell.scanner.on_arm
+    assert carrier is not None
+    with running(cell) as controller:
+        address = controller_by("abb-socket/2", "127.0.0.1", controller.port, controller.state_port)
+        there = replace(cell, controller=address)
+        plan, approval = approved(there, "home")
+        receipts = list(send(plan, approval, there))
+        state = controller.state()
+    assert receipts[-1].done == receipts[-1].total
+    assert np.abs(np.asarray(state["joints"]["left"]) - carrier.home).max() < np.deg2rad(0.01)
 
 
 def sent(cell: Cell, controller: SimulatedController, protocol: str) -> list[Receipt]:

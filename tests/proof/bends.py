@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from bending import with_leg
 from bent_case import Case, Draw, near_a_way, one_of, small
-from changed_cells import CHANGES
+from changed_cells import CHANGES, other_bin
 
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import ArmPlan, Guarantee, Leg, Step, Strategy
@@ -20,6 +20,8 @@ def bent(case: Case, draw: Draw) -> tuple[str, Case]:
     """A case with one thing changed, and what that was."""
     pallets = any(one.pallet for arm in case.cell.arms for one in arm.part_places)
     kinds = (*KINDS, *OF_PALLETS) if pallets else KINDS
+    if case.cell.other_bins:
+        kinds = (*kinds, other_bin)
     kind = kinds[draw.integers(len(kinds))]
     return kind.__name__, kind(case, draw)
 

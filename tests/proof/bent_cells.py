@@ -39,6 +39,7 @@ PILES = {
     "layers": ("puck", 3, ("auto",)),
     "yumi_full": ("keyed_cylinder", 6, ("alternated", "auto")),
     "tx2_full": ("puck", 8, ("auto",)),
+    "two_bins": ("keyed_cylinder", 3, ("alternated", "auto")),
     "cube_20": ("cube_20", 4, ("auto",)),
     "plate_300": ("plate_300", 1, ("auto",)),
     "bar_400": ("bar_400", 2, ("auto",)),
@@ -64,9 +65,9 @@ def folder_of(name: str, made: Path) -> Path:
     if name == "nests":
         shipped = ROOT / "robots" / "yumi"
         return _beside(folder, shipped, (shipped / "nests.toml").read_text())
-    if name in ("yumi_full", "tx2_full"):
-        shipped = ROOT / "robots" / {"yumi_full": "yumi", "tx2_full": "tx2_90"}[name]
-        text = (shipped / "full_bin.toml").read_text()
+    if name in ("yumi_full", "tx2_full", "two_bins"):
+        shipped = ROOT / "robots" / ("tx2_90" if name == "tx2_full" else "yumi")
+        text = (shipped / ("two_bins.toml" if name == "two_bins" else "full_bin.toml")).read_text()
         return _beside(folder, shipped, text.replace('"../../parts', f'"{ROOT / "parts"}'))
     if name in PARTS:
         shipped = ROOT / "robots" / PARTS[name][0]

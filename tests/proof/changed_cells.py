@@ -254,6 +254,24 @@ def bin_moved(case: Case, draw: Draw) -> Case:
     return _changed(case, files, bin=moved_bin)
 
 
+def other_bin(case: Case, draw: Draw) -> Case:
+    """Another bin elsewhere, often where the arms go, turned, larger, thicker or without walls."""
+    files, number = case.files.copied(), int(draw.integers(len(case.cell.other_bins)))
+    box, table = case.cell.other_bins[number], files.cell["other_bins"][number]
+    at, turn = box.T_world_bin.translation, small(draw, 0.1, 90)
+    if draw.random() < 0.6:
+        at = near_a_way(case, draw)
+    at = np.round(at + draw.normal(size=3) * small(draw, 0.0002, 0.02), 4)
+    size, wall = np.asarray(box.size) * draw.uniform(0.2, 1.5, 3), float(draw.uniform(0.001, 0.01))
+    has_walls = bool(draw.random() < 0.8)
+    table |= {"position_mm": at * 1000, "rpy_deg": (0, 0, turn), "size_mm": size * 1000}
+    table |= {"wall_mm": wall * 1000, "walls": has_walls}
+    T = pose_from_rpy(at, (0, 0, np.deg2rad(turn)))
+    moved = replace(box, T_world_bin=T, size=size, wall=wall, has_walls=has_walls)
+    others = tuple(moved if known is box else known for known in case.cell.other_bins)
+    return _changed(case, files, other_bins=others)
+
+
 CHANGES = (
     fixture_added, base_moved, other_tool, tool_exchanged, other_margins, planned_closer, slower,
     other_controller, grasp_changed, place_moved, bin_moved,

@@ -37,6 +37,7 @@ def pose_of(table) -> np.ndarray:
 class Files:
     """Of one cell: `cell` is its TOML file, `parts` and `grasps` are those of its kinds of parts.
 
+    Of several bins `bin` is the one that parts are taken from, and `other_bins` are the others.
     They may be changed, as the cell may after a plan was made.  `points` (n, 4) [m] are those of a
     part's mesh.
     """
@@ -132,9 +133,15 @@ class Files:
         return known[self.cell["controller"]["protocol"]]
 
 
-def read(folder: Path, parts: Path, name: str = "cell.toml") -> Files:
-    """A cell's file in a folder, and those of the parts that it names, there or by their path."""
+def read(folder: Path, parts: Path, name: str = "cell.toml", box: str = "") -> Files:
+    """A cell's file in a folder, and those of the parts that it names, there or by their path.
+
+    `box` names the bin of several that parts are taken from; empty: the first.
+    """
     cell = tomllib.loads((folder / name).read_text())
+    bins = cell["bin"] if isinstance(cell["bin"], list) else [cell["bin"]]
+    cell["bin"] = next(table for table in bins if box in ("", table.get("name", "")))
+    cell["other_bins"] = [table for table in bins if table is not cell["bin"]]
     kinds, grasps, points = {}, {}, {}
     for part in cell["parts"]:
         where = parts / part if (parts / part).is_dir() else folder / part

@@ -134,6 +134,7 @@ class Scene:
         for name, solid, T in _standing(files):
             if name in self._still:
                 self._put(name, T)
+                self._resize(name, solid)
             else:
                 assert solid["shape"] == "box"
                 spare.append((T, np.array(solid["size_mm"]) / 1000))
@@ -148,11 +149,14 @@ class Scene:
             tool = files.tool(arm)
             solids = (*tool.get("body", ()), *tool.get("finger", ()))
             solid = next(one for one in solids if one["name"] == solid_name)
-            if solid["shape"] != "mesh":
-                g = self.geom_of[label]
-                self.model.geom_size[g] = _size(solid)
-                self.model.geom_rbound[g] = _around(solid)
+            self._resize(label, solid)
         self.put_parts(dict(enumerate(parts)))
+
+    def _resize(self, name: str, solid) -> None:
+        if solid["shape"] != "mesh":
+            g = self.geom_of[name]
+            self.model.geom_size[g] = _size(solid)
+            self.model.geom_rbound[g] = _around(solid)
 
     def put_parts(self, poses: dict[int, np.ndarray]) -> None:
         """Lay parts somewhere."""
@@ -244,11 +248,17 @@ def _around(solid) -> float:
 
 
 def _standing(files: Files):
-    """Name, solid and pose (4, 4) of the bin's slabs and of all fixtures."""
+    """Name, solid and pose (4, 4) of the bin's slabs, other bins whole, and of all fixtures."""
     bin_ = files.cell["bin"]
     for name, size, at in _slabs(bin_):
         box = {"shape": "box", "size_mm": size}
         yield f"bin {name}", box, pose_of(bin_) @ pose_of({"position_mm": at})
+    for other in files.cell["other_bins"]:
+        (x, y, z), wall = other["size_mm"], other.get("wall_mm", 3)
+        beside = 2 * wall if other.get("walls", True) else 0
+        box = {"shape": "box", "size_mm": (x + beside, y + beside, z + wall)}
+        middle = pose_of({"position_mm": (0, 0, (z - wall) / 2)})
+        yield f"other bin {other['name']}", box, pose_of(other) @ middle
     for fixture in files.cell.get("fixture", ()):
         for solid in fixture["solid"]:
             yield f"{fixture['name']} {solid['name']}", solid, pose_of(fixture) @ pose_of(solid)

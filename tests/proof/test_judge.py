@@ -10,6 +10,7 @@ import pytest
 from bend_many import judged, judged_by
 from bends import KINDS
 from bent_cells import SHARE, URDFS, cases
+from changed_cells import other_bin
 from judge import Judge
 from judge_studies import cell_and_files
 from judge_symmetry import turns
@@ -28,6 +29,7 @@ from workbench.proof.claims.prove import prove
         ("pallet", 41, 15),
         ("nests", 40, 10),
         ("layers", 44, 14),
+        ("two_bins", 40, 6),
         ("panda", 45, 8),
         ("dual_fr3", 44, 6),
         ("baxter", 41, 4),
@@ -53,6 +55,19 @@ def test_no_kind_of_bend_holds_that_the_judge_refuses(tmp_path):
         holds = prove(other.cell, other.scene, other.plan).holds
         refusal = judged_by(judge, other)
         assert not (holds and refusal is not None), (kind.__name__, refusal)
+        verdicts.append((holds, refusal is None))
+    assert {(True, True), (False, False)} <= set(verdicts)
+
+
+def test_nothing_holds_that_goes_through_another_bin(tmp_path):
+    (case,) = cases("two_bins", [41], tmp_path)
+    judge, verdicts = Judge(), []
+    assert judged_by(judge, case) is None
+    for number in range(30):
+        other = other_bin(case, np.random.default_rng([41, number]))
+        holds = prove(other.cell, other.scene, other.plan).holds
+        refusal = judged_by(judge, other)
+        assert not (holds and refusal is not None), (number, refusal)
         verdicts.append((holds, refusal is None))
     assert {(True, True), (False, False)} <= set(verdicts)
 

@@ -4,8 +4,8 @@ import asyncio
 import json
 import sqlite3
 import threading
-from collections.abc import Iterator
-from contextlib import closing
+from collections.abc import Generator, Iterator, Mapping
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -30,10 +30,10 @@ PEOPLE = {
 
 @dataclass
 class Site:
-    """Where the interface is, and one person's hands on it."""
+    """Where the interface is, and one person's hands on it; `effects` where they are canned."""
 
     bench: Bench
-    effects: Canned
+    effects: Any
     url: str
     session: requests.Session
     folder: Path
@@ -96,14 +96,25 @@ async def _ended(runner: web.AppRunner) -> None:
 def site(results, people, heartbeat, tmp_path) -> Iterator[Site]:
     made: list[Canned] = []
 
-    async def identify(request: web.Request) -> Person | None:
-        return people.get(request.headers.get("Authorization", ""))
-
     def effects(cell, do, now):
         made.append(Canned(results, do))
         return made[0]
 
     bench = Bench(results.cell, Journal(tmp_path / "session"), effects=effects)
+    with serve_site(bench, people, heartbeat) as (url, session):
+        yield Site(bench, made[0], url, session, tmp_path / "session")
+    bench.close()
+
+
+@contextmanager
+def serve_site(
+    bench: Bench, people: Mapping[str, Person] = PEOPLE, heartbeat: float = 10.0
+) -> Generator[tuple[str, requests.Session]]:
+    """The address of a bench's interface on loopback, and a client, as long as the block runs."""
+
+    async def identify(request: web.Request) -> Person | None:
+        return people.get(request.headers.get("Authorization", ""))
+
     loop = asyncio.new_event_loop()
     thread = threading.Thread(target=loop.run_forever)
     thread.start()
@@ -118,10 +129,8 @@ def site(results, people, heartbeat, tmp_path) -> Iterator[Site]:
 
     port = asyncio.run_coroutine_threadsafe(serve(), loop).result(PATIENCE)
     with requests.Session() as session:
-        url = f"http://127.0.0.1:{port}/api/v1"
-        yield Site(bench, made[0], url, session, tmp_path / "session")
+        yield f"http://127.0.0.1:{port}/api/v1", session
     asyncio.run_coroutine_threadsafe(_ended(runner), loop).result(PATIENCE)
     loop.call_soon_threadsafe(loop.stop)
     thread.join()
     loop.close()
-    bench.close()

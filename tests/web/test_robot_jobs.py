@@ -217,9 +217,11 @@ def test_a_bin_is_chosen_by_its_number(tmp_path):
         assert robot.ask("bin", "2") == ("OK", "2")
         assert bench.state.cell.bin.name == "far"
         assert robot.ask("bin", "3") == ("NO", "bin")
-        assert robot.ask("bin", "0") == ("NO", "bin")
-        assert robot.ask("bin", "1") == ("OK", "1")
+        assert robot.ask("bin", "0") == ("OK", "1")
         assert bench.state.cell.bin.name == "near"
+        assert robot.ask("new-bin", "2") == ("OK", "2")
+        assert str(bench.state.message) == "bin far is new"
+        assert (robot.ask("new-bin", "3"), robot.ask("new-bin", "0")) == (("NO", "bin"),) * 2
         robot.close()
         bench.close()
 

@@ -195,6 +195,10 @@ class ScanPosture:
         put(self, q=frozen(self.q))
 
 
+HOME = "home"
+"""Instead of the name of a view: the posture `home` of the arm with the scanner."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ArmScanner:
     """Which arm carries the scanner, where on its flange, and what collides of it.
@@ -202,8 +206,8 @@ class ArmScanner:
     `flange` and `joints` are those of the arm.
     `T_flange_scanner` is the pose of the camera's frame.  `housing` are solids in the flange's
     frame: scanner, bracket, plug.  The arm waits at the `view`, where every plan begins and ends.
-    `home` (n,) [rad, m] is the arm's `home_deg` in the cell file, where the arm stands before it
-    goes to the view.
+    `home` (n,) [rad, m] is the arm's `home_deg` in the cell file, from where the arm goes to the
+    view and back.
     """
 
     arm: str
@@ -226,6 +230,12 @@ class ArmScanner:
     def reach(self) -> float:
         """How far [m] the farthest point of the housing gets from the flange, at most."""
         return max((solid.reach for solid in self.housing), default=0.0)
+
+    def leads_home(self, path: Floats) -> bool:
+        """Whether a path (m, n) [rad, m] between home and view leads home, by where it begins."""
+        start = np.asarray(path)[0]
+        at_view, at_home = (np.abs(start - np.asarray(q)).max() for q in (self.view.q, self.home))
+        return bool(at_view < at_home)
 
     def T_world_scanner(self, T_world_robot: pin.SE3, robot: Robot, q: Floats) -> pin.SE3:
         """Where the scanner is while its arm stands at `q` (n,) [rad, m], chain order.

@@ -6,7 +6,7 @@ Approvals are not here: they are a person's.
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
-from workbench.app.core.cell.bins import ChooseBin
+from workbench.app.core.cell.bins import ChooseBin, NewBin, bin_numbered
 from workbench.app.core.cell.kits import NewKit, kit_problem
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
@@ -74,6 +74,8 @@ class BenchDesk:
                     return "OK", "kit"
                 case "bin":
                     return self._choose_bin(state, _whole(request, 9999, 1))
+                case "new-bin":
+                    return self._new_bin(state, _whole(request, 9999, 1))
                 case "view":
                     return self._view(state, request.words)
                 case "stop":
@@ -156,11 +158,18 @@ class BenchDesk:
         return "WAIT", "plan"
 
     def _choose_bin(self, state: State, number: int) -> Words:
-        bins = state.cell.bins
-        if not 1 <= number <= len(bins):
+        name = bin_numbered(state, number)
+        if name is None:
             return "NO", "bin"
-        if bins[number - 1] is not state.cell.bin:
-            self._do(ChooseBin(bins[number - 1].name))
+        if name != state.cell.bin.name:
+            self._do(ChooseBin(name))
+        return "OK", str(max(1, self._bench.state.cell.bin.number))
+
+    def _new_bin(self, state: State, number: int) -> Words:
+        name = bin_numbered(state, number) if number else None
+        if name is None:
+            return "NO", "bin"
+        self._do(NewBin(name))
         return "OK", str(number)
 
     def _refuse(self) -> Words:

@@ -149,7 +149,7 @@ def test_a_planner_that_is_not_installed_is_told_before_anything_begins(done):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"scan": TakeScan(parts=0)}, "parts must be a whole number from 1 to 30, not 0"),
+        ({"scan": TakeScan(parts=-1)}, "parts must be a whole number from 0 to 30, not -1"),
         ({"find": FindParts(seed=-1)}, "seed must be a whole number"),
         ({"find": FindParts(is_compared=True)}, "not only compared"),
         ({"plan": MakePlan("left")}, "strategy 'left' is not known"),

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from workbench.app.core.cell.bins import NewBin
 from workbench.app.core.commands import COMMANDS
 from workbench.app.core.control import ControlCommand
 from workbench.app.core.cycle.ahead import GoOn
@@ -84,7 +85,8 @@ def test_nothing_but_reports_passes_beside_a_running_task_except_to_cancel_it(pl
     busy = dataclasses.replace(planned, job=Job(3, "plan"))
     free = {command for command in COMMANDS if not obstacle(busy, command)}
     reports = {JobEnded, Opened, PosesRefused, Started}
-    assert free == {AcknowledgeChanges, CancelJob, WantThreshold, WriteNote} | reports | CONTROL
+    people = {AcknowledgeChanges, CancelJob, NewBin, WantThreshold, WriteNote}
+    assert free == people | reports | CONTROL
     assert "the planning ends or is cancelled" in refusal(busy, Approve(planned.plan.digest))
 
 
@@ -93,6 +95,7 @@ def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
     assert {c for c in COMMANDS if not obstacle(state, c)} == {
         AcknowledgeFault,
         JobEnded,
+        NewBin,
         Opened,
         PosesRefused,
         ReportPick,
@@ -105,7 +108,7 @@ def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
 def test_while_sending_only_a_stop_and_reports_pass(approved):
     state = dataclasses.replace(approved, phase=Phase.SENDING)
     people = {c for c in COMMANDS if not obstacle(state, c) and not c.right.by_machine}
-    assert people == {Stop, NextStep, ReportPick, GoOn, WriteNote} | CONTROL
+    assert people == {Stop, NewBin, NextStep, ReportPick, GoOn, WriteNote} | CONTROL
 
 
 @pytest.mark.parametrize(
@@ -129,9 +132,9 @@ def test_seeds_that_are_no_seeds_are_refused(cell, seed):
     assert "seed must be a whole number" in refusal(State(cell), TakeScan(seed=seed))
 
 
-@pytest.mark.parametrize("parts", [0, 31, -1, 2.5, math.inf, None])
+@pytest.mark.parametrize("parts", [31, -1, 2.5, math.inf, None])
 def test_impossible_numbers_of_parts_are_refused(cell, parts):
-    assert "parts must be a whole number from 1 to 30" in refusal(
+    assert "parts must be a whole number from 0 to 30" in refusal(
         State(cell), TakeScan(parts=parts)
     )
 

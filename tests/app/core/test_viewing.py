@@ -67,6 +67,24 @@ def test_it_is_planned_approved_and_sent_like_every_plan_and_then_a_scan_is_take
     assert isinstance(line.effects[-1], StartJob)
 
 
+def test_the_way_back_begins_at_the_view_and_no_scan_is_taken_at_its_end(
+    cell: Cell, line: Line
+) -> None:
+    assert "does not stand at view bin" in refused(line, PlanView("home"))
+    line.joints = at_view(cell)
+    line.do(PlanView("home"))
+    state = line.ended(plan_view(cell, view="home"))
+    assert str(state.message).startswith("the path from the view home is planned")
+    assert state.plan is not None
+    for command in (WatchPlan, Approve, SendPlan):
+        line.do(command(state.plan.digest))
+    line.joints = before_view(cell)
+    state = line.do(LinkEnded())
+    assert str(state.message) == "the left arm stands at home; go to the view before the next scan"
+    assert "does not stand at view bin" in refused(line, TakeScan())
+    line.do(PlanView())
+
+
 def test_it_is_not_approved_by_who_has_not_seen_it(line: Line, result: PlanResult) -> None:
     line.do(PlanView())
     plan = line.ended(result).plan

@@ -11,6 +11,7 @@ from full_disk import FullDisk
 from idle import Idle
 from waiting import PATIENCE, wait_until
 
+from workbench.app.core.cell.bins import ChooseBin
 from workbench.app.core.cell.changes import CellRead, ChangeCell, SaveCell
 from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.core.cycle.jobs import CancelJob
@@ -26,6 +27,7 @@ from workbench.formats.files.shipped import find
 from workbench.formats.parts.saves import DRAFT
 from workbench.journal.journal import Journal
 from workbench.model.errors import FileError
+from workbench.model.geometry import pose_from_rpy
 from workbench.model.part_edits import grasp_of, with_grasp
 
 
@@ -159,6 +161,28 @@ def test_a_broken_cell_in_a_folder_whose_name_is_no_text_is_told(cell, tmp_path)
     try:
         state = bench.wait(lambda state: state.cell_problem != "", PATIENCE)
         assert "cell?" in state.cell_problem and state.phase is Phase.IDLE
+    finally:
+        watch.close()
+        bench.close()
+
+
+def test_the_bin_that_is_chosen_is_moved_and_saved_into_its_own_table(place, tmp_path):
+    file = place.with_name("two_bins.toml")
+    machines = partial(EffectRunner, cell_file=file, module="tiny_work")
+    bench = Bench(read_cell(file), Journal(tmp_path / "session"), effects=machines)
+    watch = CellWatch(file, bench, every=0.02)
+    try:
+        bench.do(ChooseBin("left"), "ada")
+        cell = bench.state.cell
+        T = pose_from_rpy((0, 0.004, 0)) * cell.bin.T_world_bin
+        bench.do(ChangeCell(replace(cell, bin=replace(cell.bin, T_world_bin=T)), "moved"), "ada")
+        assert not bench.state.is_saved
+        bench.do(SaveCell(""), "ada")
+        wait_until(lambda: bench.state.is_saved)
+        assert bench.state.cell_problem == "" and bench.state.cell.bin.name == "left"
+        right, left = read_cell(file).bins
+        assert left.T_world_bin.isApprox(T, 1e-5)
+        assert right.T_world_bin.isApprox(cell.bins[0].T_world_bin, 1e-9)
     finally:
         watch.close()
         bench.close()

@@ -13,6 +13,7 @@ from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.gui.shared.playback import in_hands, part_poses, timeline
 from workbench.model.candidate import Reason
 from workbench.model.cell import Cell, Fixture
+from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Solid
 from workbench.model.plan import NO_PART, PlanResult
@@ -52,6 +53,18 @@ def test_one_proven_leg_goes_from_home_to_the_view_with_an_empty_open_hand(
     assert leg.opening == cell.arm("left").tool.stroke[1]
     assert plan.is_view_plan and not plan.picks and not plan.detections
     assert arm.loads is not None and arm.loads.part is None
+
+
+def test_one_proven_leg_goes_back_home_from_the_view(cell: Cell, result: PlanResult) -> None:
+    back, carrier = plan_view(cell, view="home"), cell.scanner.on_arm
+    assert back.plan is not None and back.proof is not None and carrier is not None
+    assert back.proof.holds and back.plan.is_view_plan
+    (leg,) = back.plan.arms[0].legs
+    step = cell.controller.motion.quantum
+    assert np.abs(leg.q[0] - carrier.view.q).max() <= step
+    assert np.abs(leg.q[-1] - carrier.home).max() <= step
+    assert carrier.leads_home(leg.q) and digest_of(back.obstacles) == digest_of(result.obstacles)
+    assert result.plan is not None and not carrier.leads_home(result.plan.arms[0].legs[0].q)
 
 
 def test_the_bin_counts_as_full_with_a_part_upright_on_top(cell: Cell, result: PlanResult) -> None:

@@ -170,6 +170,8 @@ def test_no_command_approves_or_acknowledges(site, plc):
         "Stop",
         "ChooseRecipe",
         "NewKit",
+        "ChooseBin",
+        "NewBin",
         "NoneType",
         "CancelJob",
         "TakeControl",

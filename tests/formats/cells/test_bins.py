@@ -2,17 +2,20 @@
 
 import shutil
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from workbench.formats.cells.differences import difference
+from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
 from workbench.model.derived.by_bin import barriers, surfaces, with_bin
 from workbench.model.derived.by_recipe import as_chosen
 from workbench.model.errors import FileError, InputError
+from workbench.model.geometry import pose_from_rpy
 
 SHIPPED = find("robots", "yumi") / "two_bins.toml"
 
@@ -89,6 +92,19 @@ def test_several_bins_are_written_and_read_again(tmp_path):
 def test_what_bins_cannot_be_is_refused_by_name(changed, pairs, more, problem):
     with pytest.raises(FileError, match=problem):
         read_cell(changed(*pairs, more=more))
+
+
+def test_every_bin_is_moved_in_its_own_table_of_the_file(changed):
+    path = changed()
+    cell = with_bin(read_cell(path), "left")
+    T = pose_from_rpy((0.41, 0.09, -0.005), (0, 0, 0.1))
+    box = replace(cell.bin, T_world_bin=T, size=cell.bin.size * (1, 1, 1.1))
+    save_cell(path, with_bin(replace(cell, bin=box), "right"))
+    again = read_cell(path)
+    assert again.bins[1].T_world_bin.isApprox(T, 1e-5)
+    assert np.allclose(again.bins[1].size, box.size)
+    assert again.bins[0].T_world_bin.isApprox(cell.bins[0].T_world_bin, 1e-9)
+    assert "# Low enough for the palm" in path.read_text(encoding="utf-8")
 
 
 def test_an_unknown_bin_is_refused_with_those_there_are():

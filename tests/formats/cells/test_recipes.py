@@ -103,6 +103,8 @@ def test_a_cell_without_recipes_has_the_digest_that_it_had_before_there_were_any
         (FAST + 'places = ["shelf"]\n', r"place shelf is not one of the named places: tray"),
         (FAST + 'strategy = "third"\n', r"recipe.strategy.*strategy third is not one of auto"),
         (FAST + 'colour = "red"\n', r"recipe\[1\].colour"),
+        (FAST + "default = true\n" + FAST.replace("= 1", "= 2") + "default = true\n",
+         r"recipe\[1\].default: is not known here"),
         ("".join(FAST.replace("= 1", f"= {k + 1}").replace("fast", f"fast {k}")
                  for k in range(MOST_RECIPES + 1)), r"101 recipes, 100 are allowed"),
     ],

@@ -80,6 +80,7 @@ def test_a_view_is_stated_by_the_pose_of_the_scanner_as_well(spoil: Spoil) -> No
         (JOINTS, f"{JOINTS}\nposition_mm = [410, 0, 480]", "either the 7 joints of arm left"),
         (JOINTS, JOINTS.replace("-33.9", "60"), "60 for axis 2 is outside -143.5 to 43.5"),
         (JOINTS, "position_mm = [1500, 0, 480]", "the view is out of reach of arm left, "),
+        ('name = "bin"', 'name = "home"', "a view cannot be called home: that is where"),
         ('name = "camera"', 'name = "palm"', "'palm' is a solid of tool smart_gripper"),
         ('name = "camera"', 'name = "bracket"', "'bracket' is there 2 times"),
     ],
@@ -103,6 +104,19 @@ def test_a_written_cell_is_read_again(tmp_path: Path) -> None:
     assert mine.T_flange_scanner.isApprox(other.T_flange_scanner, 1e-6)
     assert [solid.name for solid in other.housing] == ["camera", "bracket"]
     assert again.scanner.T_world_scanner.isApprox(cell.scanner.T_world_scanner, 1e-5)
+
+
+@pytest.mark.parametrize("turn", ["[0, 90, 0]", "[30, 90, -50]", "[180, -90, 20]"])
+def test_a_scanner_turned_by_90_degrees_about_y_is_written_and_read_again(
+    spoil: Spoil, tmp_path: Path, turn: str
+) -> None:
+    path = spoil("position_mm = [0, -75, 35]", f"position_mm = [0, -75, 35]\nrpy_deg = {turn}")
+    cell = read_cell(path)
+    again = write_cell(tmp_path / "made", cell, {})
+    shutil.copytree(find("parts", "keyed_cylinder"), again.parent / "keyed_cylinder")
+    mine, other = cell.scanner.on_arm, read_cell(again).scanner.on_arm
+    assert mine is not None and other is not None
+    assert mine.T_flange_scanner.isApprox(other.T_flange_scanner, 1e-5)
 
 
 def test_a_robot_that_is_moved_takes_its_scanner_along(spoil: Spoil) -> None:

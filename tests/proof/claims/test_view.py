@@ -87,6 +87,21 @@ def test_it_ends_at_the_view_of_the_cell_and_begins_at_its_home(cell: Cell, plan
     assert "does not start where the arm stands" in objections(other, on(other, plan))
 
 
+def test_the_way_back_begins_at_the_view_of_the_cell_and_ends_at_its_home(cell: Cell) -> None:
+    back, off = plan_view(cell, view="home").plan, np.deg2rad(0.02)
+    assert back is not None and objections(cell, back) == ""
+    for row in (0, -1):
+        assert "does not start where the arm stands" in objections(cell, ended(back, off, row))
+
+
+def test_a_path_that_ends_where_it_begins_is_refused(cell: Cell, plan: Plan) -> None:
+    leg = plan.arm(ARM).leg("view")
+    there, back = np.asarray(leg.q), np.asarray(leg.q)[::-1]
+    for q in (np.vstack([there, back[1:]]), np.vstack([back, there[1:]])):
+        round_trip = with_leg(plan, ARM, "view", q=q, t=np.arange(len(q)) * 60.0)
+        assert "does not start where the arm stands" in objections(cell, round_trip)
+
+
 def test_a_plan_for_another_scan_is_refused(cell: Cell, plan: Plan) -> None:
     other = replace(plan, scan_digest="0" * 64)
     said = "\n".join(map(str, prove(cell, plan.scene, other).violations))

@@ -1,20 +1,15 @@
 """Bins over HTTP."""
 
-from dataclasses import replace
-
 import pytest
-from prepared_bench import make_results
+from prepared_bench import results_with_bins
 
-from workbench.model.geometry import pose_from_rpy
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.people import WORKER
 
 
 @pytest.fixture(scope="module")
 def results():
-    usual = make_results()
-    box = replace(usual.cell.bin, name="right", number=1)
-    away = pose_from_rpy((0, 3.0, 0)) * box.T_world_bin
-    other = replace(box, name="left", number=2, T_world_bin=away)
-    return replace(usual, cell=replace(usual.cell, bin=box, other_bins=(other,)))
+    return results_with_bins()
 
 
 def test_a_bin_is_read_and_chosen_by_name_and_is_on_record(site):
@@ -25,7 +20,7 @@ def test_a_bin_is_read_and_chosen_by_name_and_is_on_record(site):
         site.reach(phase)
     assert site.post("/bin", who="bob", name="left").status_code == 200
     chosen = site.get("/state").json()
-    assert (chosen["bin"], chosen["phase"], chosen["detections"]) == ("left", "scanned", None)
+    assert (chosen["bin"], chosen["phase"], chosen["detections"]) == ("left", "idle", None)
     assert (
         chosen["cell_digest"] != state["cell_digest"]
         and chosen["said"]["id"] == "bin_choice.chosen"
@@ -40,3 +35,20 @@ def test_unknown_bins_are_refused_and_viewers_choose_none(site):
     assert answer.json()["said"]["text"] == "cell yumi has no bin third; it has right, left"
     assert site.post("/bin", name=4).status_code == 400
     assert site.post("/bin", who="vic", name="left").status_code == 403
+
+
+def test_an_empty_bin_is_read_and_said_to_be_new_without_control(site):
+    site.post("/scan")
+    site.reach("scanned")
+    site.effects.hold.set()
+    site.post("/localize")
+    site.bench.do(JobEnded(site.bench.state.job.number, ()), WORKER)
+    assert site.get("/state").json()["empty_bins"] == ["right"]
+    assert site.post("/control/take").ok
+    assert site.post("/new-bin", who="bob", name="third").status_code == 409
+    assert site.post("/new-bin", who="vic", name="right").status_code == 403
+    assert site.post("/new-bin", who="bob", name="right").status_code == 200
+    state = site.get("/state").json()
+    assert (state["empty_bins"], state["phase"]) == ([], "idle")
+    assert state["said"]["id"] == "bin_choice.new"
+    assert site.on_record("NewBin")[0]["actor"] == "Bob"

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
+from workbench.app.core.cell.changes import change_whole
 from workbench.app.core.command import Asked, Command, Decision, Entry, refuse
 from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.rights import lacks_right, lacks_role, obstacle
@@ -62,7 +63,10 @@ def decide(state: State, entry: Entry) -> Decision:
     Raises:
         CommandRefused: an approval that `approval.approve` does not give.
     """
-    return entry.command.apply(replace(state, number=entry.number), entry)
+    command, state = entry.command, replace(state, number=entry.number)
+    if command.right.changes_cell:
+        return change_whole(state, lambda whole: command.apply(whole, entry))
+    return command.apply(state, entry)
 
 
 def _check_actor(command: Command, actor: str) -> None:

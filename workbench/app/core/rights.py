@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from workbench.app.core.command import Command
 from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import Phase, State
-from workbench.model.messages.cells import BinChoiceText, RecipeText
+from workbench.model.messages.cells import RecipeText
 from workbench.model.messages.message import Message, all_of, as_message, plain
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import NextText, task_message
@@ -36,10 +36,7 @@ def obstacle(state: State, command: type[Command]) -> Message | None:
     # What runs while something is sent is of the next cycle, and holds up nothing of this one.
     if state.job is not None and not right.beside_job and state.phase is not Phase.SENDING:
         return Refusal.TASK_RUNS(command=right.says(), task=task_message(state.job.name))
-    if right.changes_cell and state.whole is not None:
-        if state.cell.recipe == NO_RECIPE:
-            name, first = state.cell.bin.name, state.whole.bin.name
-            return BinChoiceText.CELL_FIXED(command=right.says(), name=name, first=first)
+    if right.changes_cell and state.whole is not None and state.cell.recipe != NO_RECIPE:
         return RecipeText.CELL_FIXED(command=right.says(), number=state.cell.recipe)
     if problem := command.obstacle(state):
         return problem

@@ -101,8 +101,8 @@ class Outcome:
 class Avoided:
     """Where a pick has failed: a part of that kind there is left alone for a while.
 
-    `p_bin` (3,) [m] in the bin's frame; it ends at `until` [s since the epoch], or after so many
-    more `scans`, whichever comes first.
+    `p_bin` (3,) [m] in the frame of the bin of name `bin`; it ends at `until` [s since the epoch],
+    or after so many more `scans` of that bin, whichever comes first.
     """
 
     part: str
@@ -110,6 +110,7 @@ class Avoided:
     until: float
     scans: int
     why: Message | str = ""
+    bin: str = field(default_factory=str, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -160,10 +161,12 @@ class SessionState:
     asked for it, the first one first.
     `unscanned` is what was sent where no scan has followed and the plan is gone already: after a
     fault that was acknowledged, or another cell.
-    `whole` is the cell without a recipe while one is chosen; `cell` is the cell by that recipe.
+    `whole` is the cell as its file has it while a recipe or another than its first bin is chosen;
+    `cell` is the cell by these.
     `unapproved_by` is the engineer who has switched approval off, empty while it is on; it counts
     only while the robot link sends poses alone.
     `kit` is how far kits by the recipe that is chosen have come.
+    `empty_bins` names those of several bins in which nothing is left to take, as last seen.
     """
 
     cell: Cell = field(kw_only=False)
@@ -186,6 +189,7 @@ class SessionState:
     whole: Cell | None = field(default_factory=lambda: None, metadata=LATER)
     unapproved_by: str = field(default_factory=str, metadata=LATER)
     kit: KitProgress = field(default_factory=KitProgress, metadata=LATER)
+    empty_bins: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
 
     @property
     def is_saved(self) -> bool:

@@ -156,7 +156,7 @@ def _in_row(state: State) -> Iterator[tuple[str, str]]:
 
 
 def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
-    of = "to the view" if plan.is_view_plan else format_count(len(plan.picks), "part")
+    of = "between home and view" if plan.is_view_plan else format_count(len(plan.picks), "part")
     yield "plan", f"{plan.digest}: {of}, strategy {plan.strategy}, {plan.guarantee}"
     yield "cell", plan.cell_digest
     yield "scan", plan.scan_digest

@@ -46,10 +46,10 @@ def recompute_tasks(journal: Journal) -> Iterator[Comparison]:
             comparison = _compare(*begun.pop(entry.command.number), entry.command.result)
             if comparison is not None:
                 yield comparison
-        # The end of a task may begin the next one.
+        # The end of a task may begin the next one, in another bin of the cell.
         for effect in decide(before, entry)[1]:
             if isinstance(effect, StartJob):
-                begun[effect.number] = (before.cell, effect)
+                begun[effect.number] = (after.cell, effect)
         before = after
 
 

@@ -1,4 +1,4 @@
-"""The path of a scanner on an arm to its view: one leg, planned and proven before any scan."""
+"""The path of a scanner on an arm to its view, and back: one leg, proven without any scan."""
 
 from collections.abc import Sequence
 
@@ -8,6 +8,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.messages.work import ProgressText
 from workbench.model.plan import PlanResult
+from workbench.model.robot import HOME
 from workbench.model.scan import Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.route import route_view
@@ -25,13 +26,13 @@ def plan_view(
     seed: int = 0,
     report: Report = silent,
 ) -> PlanResult:
-    """Plan how an arm takes its scanner from the arm's home to the view, and prove it.
+    """Plan how an arm takes its scanner from the arm's home to the view, or back, and prove it.
 
     No scan shows the bin yet: it counts as full (`proof.claims.scene.unseen_bin`).
 
     Args:
         cell: whose scanner an arm carries.
-        view: the name of the view; empty: that of the cell.
+        view: the name of the view; empty: that of the cell; `HOME`: from the view to the home.
         placed: parts that were put down, as obstacles.
         seed: of everything random.
         report: progress.
@@ -44,7 +45,8 @@ def plan_view(
     world, began = World(cell, (), scene.obstacles), working_time()
     world.deadline = processor_time() + cell.policy.seconds
     report(0.1, ProgressText.MOTION())
-    found = route_view(world, carrier, scan_digest=scene.scan_digest, seed=seed)
+    digest, is_back = scene.scan_digest, view == HOME
+    found = route_view(world, carrier, scan_digest=digest, seed=seed, is_back=is_back)
     routed = working_time()
     if isinstance(found, Verdict):
         plan, proof, verdict = None, None, found

@@ -34,7 +34,10 @@ PartOfPoses = Annotated[
 ]
 ViewName = Annotated[
     Maybe[str],
-    arg(help="Name of the view to which an arm takes its scanner; of all else --seed counts."),
+    arg(
+        help="Name of the view to which an arm takes its scanner, or home: back from there; of all "
+        "else --seed counts."
+    ),
 ]
 Seed = Annotated[int, arg(help="Seed of everything random.")]
 FirstSeed = Annotated[int, arg(help="Seed of the first pile; the others follow.")]

@@ -153,7 +153,8 @@ def _problems(cell: Cell, arm: Arm, reach: Reach) -> Iterator[str]:
         distance = reach.at_home.distance * 1000
         carrier = cell.scanner.on_arm
         at = f"at view {carrier.view.name}" if carrier and carrier.arm == arm.name else "at home"
-        yield f"{arm.name} arm: {at} {first} and {second} are {distance:.1f} mm apart"
+        how = f"overlap by {-distance:.1f} mm" if distance < 0 else f"are {distance:.1f} mm apart"
+        yield f"{arm.name} arm: {at} {first} and {second} {how}"
     if not any(target.outcome == "clear" for target in reach.bin):
         yield f"{arm.name} arm: reaches no pose in the bin with the tool pointing down"
     if not reach.places and not reach.part_places:

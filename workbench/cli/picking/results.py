@@ -76,7 +76,7 @@ def plan_words(plan: Plan, bound: float, first: Plan | None = None) -> str:
         f"{arm.arm} {FoundPart(part)} by {arm.grasp}"
         for part, arm in zip(parts_taken(first, plan), plan.picks, strict=True)
     )
-    taken = taken or "scanner to the view"
+    taken = taken or "scanner between home and view"
     motion = f"motion of {cycle_words(plan.cycle_seconds, bound)}"
     words = f"{plan.strategy}, {plan.guarantee}: {taken}; {motion}"
     remarks = [str(renumber(remark, first, plan.detections)) for remark in plan.remarks]

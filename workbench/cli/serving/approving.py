@@ -64,7 +64,9 @@ def facts_of(
     kept = sum(bool(obstacle.part) for obstacle in plan.obstacles)
     known = f"{len(plan.detections)} parts, {len(plan.obstacles) - kept} unknown things: {basis}"
     if plan.is_view_plan and (carrier := cell.scanner.on_arm) is not None:
-        facts[f"Arm {carrier.arm}"] = f"takes the scanner to view {carrier.view.name}"
+        leads_home = carrier.leads_home(plan.arms[0].legs[0].q)
+        goal = "home" if leads_home else f"to view {carrier.view.name}"
+        facts[f"Arm {carrier.arm}"] = f"takes the scanner {goal}"
         known = "counts as full, since no scan shows it yet"
     nearest, link = proof.nearest, cell.controller
     holds = f"holds, {proof.digest[:SHORTEST]}"

@@ -11,7 +11,7 @@ class Desk(Protocol):
     """Answers jobs that no plan is needed for; every call returns at once."""
 
     def answer(self, request: Request) -> Words:
-        """What is answered to `scan`, `find`, `next`, `recipe`, `kit`, `bin`, `view` or `stop`.
+        """What is answered to a job that no plan is needed for: `scan`, `find`, `recipe`, ...
 
         The first word is one of `lines.ANSWERS`; an answer `WAIT` asks to ask again.
 

@@ -23,6 +23,7 @@ JOBS: Final = ("hello", "scan", "find", "next", "leg", "point", "done", "picked"
     "state",
     "pose",
     "kit",
+    "new-bin",
 )
 """Jobs by name; the place of each is its number."""
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
+from workbench.app.core.cell.bins import ChooseBin, NewBin, bin_numbered
 from workbench.app.core.cell.kits import NewKit
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
@@ -93,6 +94,16 @@ def _report(is_picked: bool) -> Callable[[State, int, int], ReportPick | None]:
     return lambda _state, part, _: ReportPick(part - 1, is_picked) if part else None
 
 
+def _choose_bin(state: State, number: int, _: int) -> ChooseBin | None:
+    name = bin_numbered(state, number)
+    return None if name is None else ChooseBin(name)
+
+
+def _new_bin(state: State, number: int, _: int) -> NewBin | None:
+    name = bin_numbered(state, number) if number else None
+    return None if name is None else NewBin(name)
+
+
 def _plain(make: Callable[[], Command]) -> Job:
     return Job(lambda _state, _a, _b: make())
 
@@ -106,6 +117,8 @@ JOBS: Mapping[int, Job] = {
     10: _plain(Stop),
     11: Job(lambda _state, number, _: ChooseRecipe(number)),
     12: _plain(NewKit),
+    13: Job(_choose_bin),
+    14: Job(_new_bin),
     20: Job(_send),
     21: Job(_go_on, "plan"),
     22: _plain(CancelJob),

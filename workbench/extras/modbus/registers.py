@@ -1,6 +1,6 @@
 """The map: what each holding register says, and where it is."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from enum import IntEnum
 from functools import lru_cache
 
@@ -16,7 +16,7 @@ MAP_VERSION = 1
 WRITTEN = 5
 """Registers from 0 on that the PLC writes."""
 
-SIZE = 40
+SIZE = 41
 HIGHEST = 65535
 ACTOR = "modbus"
 """Who acts, as an operator; on record by this name."""
@@ -59,6 +59,8 @@ class Register(IntEnum):
     NEXT_PLACE = 36
     ENTRY_HIGH = 37
     ENTRY_LOW = 38
+    BIN = 39
+    EMPTY_BINS = 40
 
 
 PHASES = tuple(Phase)
@@ -83,6 +85,7 @@ def values_of(state: State, live: Live) -> dict[int, int]:
     high, low = plan_words(state)
     # A recipe leaves parts and places out; their numbers stay.
     cell = state.whole or state.cell
+    bins = [box.name for box in cell.bins]
     values: dict[int, int] = {
         Register.PHASE: PHASES.index(state.phase),
         Register.TASK: 0 if job is None else _place(TASKS, job.name),
@@ -103,6 +106,8 @@ def values_of(state: State, live: Live) -> dict[int, int]:
         Register.PLAN_LOW: low,
         Register.ENTRY_HIGH: state.number >> 16,
         Register.ENTRY_LOW: state.number & HIGHEST,
+        Register.BIN: _place(bins, state.cell.bin.name),
+        Register.EMPTY_BINS: _bits(name in state.empty_bins for name in bins),
     }
     if state.plan is not None and state.plan.arms:
         first = state.plan.arms[0]
@@ -111,6 +116,11 @@ def values_of(state: State, live: Live) -> dict[int, int]:
         values[Register.NEXT_KIND] = _place(kinds, state.plan.detections[first.detection].part)
         values[Register.NEXT_PLACE] = _place_number(cell, first)
     return {register: min(int(value), HIGHEST) for register, value in values.items()}
+
+
+def _bits(flags: Iterable[bool]) -> int:
+    """The first flag as the lowest bit, the next one above it."""
+    return sum(flag << place for place, flag in enumerate(flags))
 
 
 def _place(names: Sequence[str], name: str) -> int:

@@ -6,6 +6,7 @@ from typing import Any
 
 from asyncua import ua
 
+from workbench.app.core.cell.bins import ChooseBin, NewBin
 from workbench.app.core.cell.kits import NewKit
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
@@ -59,6 +60,8 @@ THRESHOLD = Argument(
     "Threshold", ua.VariantType.Double, "[m]; below 0: that of the recipe, or of the cell"
 )
 
+BIN = Argument("Bin", ua.VariantType.String, "one of the variable Bins")
+
 
 def _plan(seed: int, strategy: str, threshold: float) -> MakePlan:
     return MakePlan(strategy, None if threshold < 0.0 else threshold, seed)
@@ -91,6 +94,8 @@ METHODS: tuple[Method, ...] = (
         lambda given: ChooseRecipe(given[0]),
         (Argument("Recipe", ua.VariantType.UInt32, "one of the variable Recipes; 0: none"),),
     ),
+    Method("ChooseBin", lambda given: ChooseBin(given[0]), (BIN,)),
+    Method("NewBin", lambda given: NewBin(given[0]), (BIN,)),
     Method("NewKit", lambda given: NewKit()),
     Method("Stop", lambda given: Stop()),
     Method("Cancel", lambda given: CancelJob()),

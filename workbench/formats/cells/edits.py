@@ -22,7 +22,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 from workbench.model.messages.files import FileProblem
-from workbench.model.part import PartPlace
+from workbench.model.part import Bin, PartPlace
 from workbench.model.recipes.recipe import names_of
 
 UNWRITABLE = FileProblem.UNWRITABLE()
@@ -85,8 +85,19 @@ def log_change(path: Path, cell: Cell, actor: str, at: float, remark: str) -> No
 
 
 def _names(cell: Cell) -> list[list[str]]:
-    """Of the arms, fixtures and regions, in their order: none can be added or taken away."""
-    return [[arm.name for arm in many] for many in (cell.arms, cell.fixtures, cell.bin.regions)]
+    """Of arms, fixtures, bins and their regions, in order: none can be added or taken away."""
+    regions = (box.regions for box in cell.bins)
+    named = (cell.arms, cell.fixtures, cell.bins, *regions)
+    return [[each.name for each in many] for many in named]
+
+
+def _bin_as(mine: Bin, other: Bin) -> Bin:
+    """A bin where the other is, of its size, with its regions there."""
+    regions = tuple(
+        replace(region, T_bin_region=moved.T_bin_region)
+        for region, moved in zip(mine.regions, other.regions, strict=True)
+    )
+    return replace(mine, T_world_bin=other.T_world_bin, size=other.size, regions=regions)
 
 
 def _is_same(cell: Cell, other: Cell) -> bool:
@@ -131,15 +142,8 @@ def _is_same(cell: Cell, other: Cell) -> bool:
     alike = replace(
         cell,
         T_world_robot=other.T_world_robot,
-        bin=replace(
-            cell.bin,
-            T_world_bin=other.bin.T_world_bin,
-            size=other.bin.size,
-            regions=tuple(
-                replace(mine, T_bin_region=region.T_bin_region)
-                for mine, region in zip(cell.bin.regions, other.bin.regions, strict=True)
-            ),
-        ),
+        bin=_bin_as(cell.bin, other.bin),
+        other_bins=tuple(map(_bin_as, cell.other_bins, other.other_bins)),
         scanner=replace(
             mount,
             T_world_scanner=other_mount.T_world_scanner,
@@ -157,9 +161,10 @@ def _is_same(cell: Cell, other: Cell) -> bool:
 
 def _numbers(cell: Cell) -> Floats:
     """What `_edit` can write, in one row."""
-    Ts = [cell.T_world_robot, cell.bin.T_world_bin, cell.scanner.T_world_scanner]
+    Ts = [cell.T_world_robot, cell.scanner.T_world_scanner]
+    Ts += [box.T_world_bin for box in cell.bins]
     Ts += [fixture.T_world_fixture for fixture in cell.fixtures]
-    Ts += [region.T_bin_region for region in cell.bin.regions]
+    Ts += [region.T_bin_region for box in cell.bins for region in box.regions]
     Ts += [T for arm in cell.arms for T in _places(arm)]
     Ts += [tool.T_flange_tcp for arm in cell.arms for tool in (arm.tool, *arm.tools)]
     rows = [T.homogeneous.ravel() for T in Ts] + [np.asarray(arm.home) for arm in cell.arms]
@@ -167,20 +172,21 @@ def _numbers(cell: Cell) -> Floats:
     errors = (record.rms, record.position_error, record.angle_error) if record else ()
     kept = [0.0 if error is None else error for error in errors]
     unsure = np.zeros(0) if record is None or record.covariance is None else record.covariance
-    return np.concatenate([*rows, np.asarray(cell.bin.size), kept, unsure.ravel()])
+    sizes = [np.asarray(box.size) for box in cell.bins]
+    return np.concatenate([*rows, *sizes, kept, unsure.ravel()])
 
 
 def _edit(document: Any, old: Cell, new: Cell) -> None:
     _edit_parts(document, old, new)
     edit_pose(document["robot"], old.T_world_robot, new.T_world_robot)
-    box = document["bin"][0] if isinstance(document["bin"], list) else document["bin"]
-    edit_pose(box, old.bin.T_world_bin, new.bin.T_world_bin)
-    if not np.array_equal(old.bin.size, new.bin.size):
-        box["size_mm"] = millimetres(new.bin.size)
-    for table, region, other in zip(
-        box.get("region", []), old.bin.regions, new.bin.regions, strict=True
-    ):
-        edit_pose(table, region.T_bin_region, other.T_bin_region)
+    boxes = document["bin"] if isinstance(document["bin"], list) else [document["bin"]]
+    for box, was, now in zip(boxes, old.bins, new.bins, strict=True):
+        edit_pose(box, was.T_world_bin, now.T_world_bin)
+        if not np.array_equal(was.size, now.size):
+            box["size_mm"] = millimetres(now.size)
+        regions = zip(box.get("region", []), was.regions, now.regions, strict=True)
+        for table, region, moved in regions:
+            edit_pose(table, region.T_bin_region, moved.T_bin_region)
     carrier, other_carrier = old.scanner.on_arm, new.scanner.on_arm
     if carrier is None or other_carrier is None:
         edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)

@@ -9,7 +9,7 @@ from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import read_pose, read_solid
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
-from workbench.model.robot import ArmScanner, Joint, Robot, ScanPosture
+from workbench.model.robot import HOME, ArmScanner, Joint, Robot, ScanPosture
 
 POSE = ("position_mm", "rpy_deg")
 
@@ -66,6 +66,8 @@ def _read_view(
 ) -> ScanPosture:
     """The posture, by the joints of the arm or by the pose of the scanner in the world."""
     name = table.text("name", "view")
+    if name == HOME:
+        raise table.error("name", f"a view cannot be called {HOME}: that is where home_deg is")
     has_pose = any(table.has(key) for key in POSE)
     count = len(arm.joints)
     if table.has("joints_deg") == has_pose:

@@ -135,7 +135,9 @@ def _plan(cell: Cell, plan: Plan) -> list[Fact]:
     facts: list[Fact] = [("Strategy", _strategy(plan, plan.remarks))]
     if plan.is_view_plan and (carrier := cell.scanner.on_arm) is not None:
         name = LabelText.ARM(arm=carrier.arm.capitalize())
-        facts.append((name, ApprovalText.TO_VIEW(view=carrier.view.name)))
+        leads_home = carrier.leads_home(plan.arms[0].legs[0].q)
+        to_view = ApprovalText.TO_VIEW(view=carrier.view.name)
+        facts.append((name, ApprovalText.TO_HOME() if leads_home else to_view))
     for arm in plan.picks:
         kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
         grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=arm.grasp)

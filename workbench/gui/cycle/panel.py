@@ -167,7 +167,7 @@ class CyclePanel:
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
         self._recipe.show(None if old is None else old.state, state)
-        self._bin.show(state)
+        self._bin.show(new)
         self._kit.show(new)
         self._show_kinds(state.cell)
         self._threshold.follow(None if old is None else old.state, state)
@@ -215,7 +215,7 @@ class CyclePanel:
             Phase.LOCALIZED: self._plan,
             Phase.PLANNED: self._play.button if is_next else self._approve,
             Phase.APPROVED: self._send,
-            Phase.DONE: self._scan if _has_reached_view(state) else self._go_on.button,
+            Phase.DONE: begin if _has_moved_scanner(state) else self._go_on.button,
         }
         visitor.emphasise(next_step.get(state.phase))
         follows = visitor.is_recorded or bool(visitor.lacks(state, TakeScan))
@@ -309,8 +309,8 @@ def _digest(state: State) -> str:
     return state.plan.digest if state.plan is not None else ""
 
 
-def _has_reached_view(state: State) -> bool:
-    """Whether what was sent has only taken the scanner to its view."""
+def _has_moved_scanner(state: State) -> bool:
+    """Whether what was sent has only taken the scanner to its view, or home."""
     return state.plan is not None and state.plan.is_view_plan
 
 

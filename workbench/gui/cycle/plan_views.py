@@ -31,6 +31,8 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
     carrier = state.cell.scanner.on_arm
     if plan.is_view_plan and carrier is not None:
         result = CyclePageText.TO_VIEW(arm=carrier.arm, view=carrier.view.name)
+        if carrier.leads_home(plan.arms[0].legs[0].q):
+            result = CyclePageText.TO_HOME(arm=carrier.arm)
     elif unknown := sum(not obstacle.part for obstacle in plan.obstacles):
         result = CyclePageText.UNKNOWN_CLEAR(strategy=result, count=unknown)
     speed = speed_message(proof)

@@ -21,6 +21,7 @@ class ApprovalText(Text, subject="page-approval"):
     SYNCHRONISED = "{strategy}, proven at the planned times ({guarantee})"
     GRASP = "{part} ({kind}), grasp {grasp}"
     ARM_GRASP = "{arm} arm {part} ({kind}), grasp {grasp}"
+    TO_HOME = "takes the scanner home"
     TO_VIEW = "takes the scanner to view {view}"
     PROVEN_PLAN = "{cycle:s}, {clearance}, plan {plan}, proof {proof}"
     ALL_SECONDS = "{cycle:s} in all"

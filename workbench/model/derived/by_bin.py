@@ -33,6 +33,16 @@ def with_bin(cell: Cell, name: str) -> Cell:
     return replace(cell, bin=found, other_bins=others)
 
 
+def bin_around(cell: Cell, p_world: Floats) -> Bin:
+    """The bin of a cell over whose floor a point (3,) [m] lies, or the nearest by its sides."""
+
+    def off(box: Bin) -> float:
+        p_bin = box.T_world_bin.actInv(p_world)
+        return float((np.abs(p_bin[:2]) / box.size[:2]).max())
+
+    return min(cell.bins, key=off)
+
+
 def barriers(cell: Cell) -> tuple[Fixture, ...]:
     """Fixtures, and each other bin as a block: nothing reaches into it, whatever it holds."""
     blocks = (Fixture(f"bin {b.name}", b.T_world_bin, (block_of(b),)) for b in cell.other_bins)

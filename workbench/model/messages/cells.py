@@ -76,12 +76,15 @@ class RecipeText(Text, subject="recipe"):
 
 
 class BinChoiceText(Text, subject="bin_choice"):
-    """Bins: which one is picked from, and why one cannot be used."""
+    """Bins: which one is picked from, what is known of them, and why one cannot be used."""
 
     CHOSEN = "parts are taken from bin {name}"
+    EMPTY = "nothing is left to take in bin {name}"
+    ALL_EMPTY = "nothing is left to take in any bin"
+    NEW = "bin {name} is new"
+    IN_USE = "bin {name} is picked from: say that it is new after the task or motion"
     ONLY = "cell {cell} has one bin only"
     UNKNOWN = "cell {cell} has no bin {name}; it has {known}"
-    CELL_FIXED = "{command} has to wait while bin {name} is chosen; choose bin {first} first"
 
 
 class AssemblyText(Text, subject="assembly"):

@@ -187,7 +187,9 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
     return ArmPlan(arm.name, *taken, arm.joints, legs, loads=loads, found=grip)
 
 
-def route_view(world: World, carrier: ArmScanner, *, scan_digest: str, seed: int) -> Plan | Verdict:
+def route_view(
+    world: World, carrier: ArmScanner, *, scan_digest: str, seed: int, is_back: bool = False
+) -> Plan | Verdict:
     """A plan in which an arm takes its scanner from the arm's home to the view.
 
     Its hand is empty and as wide open as it can be.
@@ -197,17 +199,19 @@ def route_view(world: World, carrier: ArmScanner, *, scan_digest: str, seed: int
         carrier: the scanner on the arm.
         scan_digest: of the parts, of which there are none.
         seed: of the request.
+        is_back: from the view to the home instead.
 
     Returns:
         The plan, or the verdict of its leg.
     """
     began = working_time()
     arm = world.arm(carrier.arm)
+    ends = (carrier.view.q, carrier.home) if is_back else (carrier.home, carrier.view.q)
     nothing = arm.name, NO_PART, "", pin.SE3.Identity()
     plan = ArmPlan(*nothing, arm.joints, (), loads=tool_loads(arm.tool))
     opening = float(arm.tool.stroke[1])
     world.enter(phase_of([(plan, "view", opening)]))
-    start, goal = (posture_of(world, arm, np.asarray(q)) for q in (carrier.home, carrier.view.q))
+    start, goal = (posture_of(world, arm, np.asarray(q)) for q in ends)
     rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
     path = free_path(world, arm, start[None], goal, rng)
     if isinstance(path, Verdict):

@@ -151,7 +151,7 @@ def _sequence(plan: Plan) -> Iterator[Violation]:
 
 
 def _view(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
-    """The path of a scanner to its view: the only one of its plan, without any part."""
+    """The path of a scanner to its view, or back: the only one of its plan, without any part."""
     carrier = cell.scanner.on_arm
     if carrier is None or carrier.arm != arm_plan.arm:
         yield Violation(ProofText.NO_SCANNER(), arm_plan.arm)
@@ -161,7 +161,11 @@ def _view(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
     filled = unseen_bin(cell)
     if not any(_same_box(filled, said) for said in plan.obstacles):
         yield Violation(ProofText.BIN_LEFT_OUT(), arm_plan.arm)
-    yield from _legs(cell, arm_plan, VIEW_LEGS, (carrier.home, carrier.view.q))
+    path = np.asarray(arm_plan.legs[0].q) if arm_plan.legs else np.empty(0)
+    ends = carrier.home, carrier.view.q
+    if len(path) and path.shape[1:] == carrier.view.q.shape and carrier.leads_home(path):
+        ends = carrier.view.q, carrier.home
+    yield from _legs(cell, arm_plan, VIEW_LEGS, ends)
 
 
 def _legs(

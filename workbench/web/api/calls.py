@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from workbench.app.core.cell.bins import ChooseBin
+from workbench.app.core.cell.bins import ChooseBin, NewBin
 from workbench.app.core.cell.changes import EmptyPallets, RedoCell, SaveCell, UndoCell
 from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.core.cell.kits import NewKit
@@ -97,6 +97,7 @@ RAN = Field(
     "digest of what runs now, as the state has it",
     {"type": "string", "pattern": "^[0-9a-f]{64}$"},
 )
+BIN = Field("name", "of one of the `bins` of the state", _text(LONGEST_NAME))
 TO = Field("to", "name of somebody who has asked for control", _text(LONGEST_NAME))
 
 
@@ -151,7 +152,7 @@ def _approve(values: Values) -> Command:
     return Approve(values["plan"], *manner, _row(values))
 
 
-SCAN_FIELDS = (SEED, Field("parts", "in the simulated pile", _whole(1, MOST_PARTS), 2))
+SCAN_FIELDS = (SEED, Field("parts", "in the simulated pile", _whole(0, MOST_PARTS), 2))
 
 FIND_FIELDS = (
     SEED,
@@ -207,9 +208,9 @@ CALLS: tuple[Call, ...] = (
     ),
     Call(
         "/view",
-        "Plan and prove the path of an arm's scanner to its view.",
+        "Plan and prove the path of an arm's scanner to its view, or back.",
         PlanView,
-        (SEED, Field("view", "name of the view; empty: that of the cell", _text(LONGEST_NAME), "")),
+        (SEED, Field("view", "its name; empty: that of the cell; `home`", _text(LONGEST_NAME), "")),
         begins=True,
     ),
     Call(
@@ -357,9 +358,15 @@ CALLS: tuple[Call, ...] = (
     ),
     Call(
         "/bin",
-        "Take parts from another bin; detections, plan and approval are void then.",
+        "Take parts from another bin; scan, detections, plan and approval are void then.",
         ChooseBin,
-        (Field("name", "of one of the `bins` of the state", _text(LONGEST_NAME)),),
+        (BIN,),
+    ),
+    Call(
+        "/new-bin",
+        "Say that a bin was refilled, or another one stands in its place.",
+        NewBin,
+        (BIN,),
     ),
     Call(
         "/kit",

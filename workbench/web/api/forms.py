@@ -43,6 +43,7 @@ def state_form(state: State, live: Live) -> Form:
         "cell_digest": state.cell.digest,
         "bin": state.cell.bin.name,
         "bins": [box.name for box in state.cell.bins],
+        "empty_bins": [box.name for box in state.cell.bins if box.name in state.empty_bins],
         "recipe": state.cell.recipe,
         "recipes": [{"number": r.number, "name": r.name} for r in state.cell.recipes],
         "kit": _kit_form(state),

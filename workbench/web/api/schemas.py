@@ -86,6 +86,7 @@ STATE = record(
     recipes=many(record(number=WHOLE, name=TEXT)),
     bin=TEXT,
     bins=many(TEXT),
+    empty_bins=many(TEXT),
     kit=or_none(
         record(
             items=many(record(part=TEXT, count=WHOLE, has=WHOLE)),

@@ -1,20 +1,22 @@
-"""Bins: chosen by name, from then on parts are taken from that one.
+"""Bins: chosen by name, from then on parts are taken from that one; which are empty, and new ones.
 
-The scan stays.  Detections, plan and approval were made for another bin, and are void.
+Scan, detections, plan and approval were made for another bin, and are void.
 """
 
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from workbench.app.core.cell.changes import with_cell
-from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
-from workbench.app.core.state import State
+from workbench.app.core.cell.changes import Changed, with_cell
+from workbench.app.core.command import EVERY, SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.state import Phase, ScanState, State, begin_stage, stale_by
 from workbench.app.core.value_checks import check_text
 from workbench.model.cell import Cell
 from workbench.model.derived.by_bin import with_bin
+from workbench.model.derived.by_recipe import recipe_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.cells import BinChoiceText
 from workbench.model.messages.commands import CommandText
+from workbench.model.recipes.recipe import NO_RECIPE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,12 +32,83 @@ class ChooseBin(Command):
         _by_bin(state, self.name)
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        cell, message = _by_bin(state, self.name), BinChoiceText.CHOSEN(name=self.name)
-        if cell is state.cell:
-            return replace(state, message=message), ()
-        whole = state.whole or state.cell
-        after, effects = with_cell(state, cell, message)
-        return replace(after, whole=None if cell.digest == whole.digest else whole), effects
+        return choose_bin(state, self.name)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NewBin(Command):
+    """The bin of that name was refilled, or another one stands in its place."""
+
+    right: ClassVar[Right] = Right(
+        CommandText.NEW_BIN, EVERY, beside_job=True, without_control=True
+    )
+
+    name: str
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("name", self.name)
+        _by_bin(state, self.name)
+        is_busy = state.phase is Phase.SENDING or state.job is not None
+        if is_busy and self.name == state.cell.bin.name:
+            refuse(BinChoiceText.IN_USE(name=self.name))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        message = BinChoiceText.NEW(name=self.name)
+        after = replace(
+            state,
+            empty_bins=tuple(name for name in state.empty_bins if name != self.name),
+            avoided=tuple(mark for mark in state.avoided if mark.bin != self.name),
+            message=message,
+        )
+        if self.name != state.cell.bin.name or state.phase in (Phase.DONE, Phase.FAULT):
+            return after, ()
+        # The scan shows what lay there before.
+        stale = stale_by(state, message)
+        return begin_stage(after, ScanState, stale=stale, message=message), ()
+
+
+def choose_bin(state: State, name: str) -> Changed:
+    """The state with parts taken from another bin; the one that is chosen already voids nothing."""
+    cell, message = _by_bin(state, name), BinChoiceText.CHOSEN(name=name)
+    if cell is state.cell:
+        return replace(state, message=message), ()
+    whole = state.whole or state.cell
+    after, effects = with_cell(state, cell, message)
+    return replace(after, whole=None if cell.digest == whole.digest else whole), effects
+
+
+def with_contents(state: State, *, is_empty: bool) -> State:
+    """The state once a search or a planning has shown whether the chosen bin is empty.
+
+    Of a single bin nothing is remembered.
+    """
+    if not state.cell.other_bins:
+        return state
+    chosen = state.cell.bin.name
+    others = tuple(name for name in state.empty_bins if name != chosen)
+    return replace(state, empty_bins=(*others, chosen) if is_empty else others)
+
+
+def next_bin(state: State) -> str:
+    """The name of the bin after the chosen one that is not empty; empty: there is none.
+
+    A recipe that names its bin stays with it.
+    """
+    cell = state.cell
+    if cell.recipe != NO_RECIPE and recipe_of(cell, cell.recipe).bin:
+        return ""
+    names = [box.name for box in cell.bins]
+    place = names.index(cell.bin.name)
+    following = (*names[place + 1 :], *names[:place])
+    return next((name for name in following if name not in state.empty_bins), "")
+
+
+def bin_numbered(state: State, number: int) -> str | None:
+    """The name of a bin by its number from 1 on, 0: the next one that is not empty; else None."""
+    if number == 0:
+        return next_bin(state) or None
+    bins = state.cell.bins
+    return bins[number - 1].name if 1 <= number <= len(bins) else None
 
 
 def _by_bin(state: State, name: str) -> Cell:
@@ -45,6 +118,7 @@ def _by_bin(state: State, name: str) -> Cell:
         CommandRefused: there is none of that name.
     """
     try:
-        return with_bin(state.cell, name)
+        # There an empty name stands for the bin that is chosen.
+        return with_bin(state.cell, name or "''")
     except InputError as error:
         raise CommandRefused(error.message) from error

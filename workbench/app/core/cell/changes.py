@@ -3,6 +3,7 @@
 What was made for the cell before is gone.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
@@ -23,6 +24,7 @@ from workbench.app.core.state import (
 from workbench.app.core.value_checks import check_cell, check_says, check_text
 from workbench.formats.cells.differences import difference
 from workbench.model.cell import Cell
+from workbench.model.derived.by_bin import with_bin
 from workbench.model.derived.by_recipe import as_chosen
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused, InputError
@@ -57,9 +59,15 @@ class ChangeCell(Command):
         check_cell(self.cell)
         if self.cell.digest == state.cell.digest:
             raise CommandRefused(ChangeRefusal.CELL_AS_IT_WAS())
+        try:
+            for known in (state.cell, state.whole or state.cell):
+                with_bin(self.cell, known.bin.name)
+        except InputError as error:
+            raise CommandRefused(error.message) from error
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return changed_cell(state, self.cell, self.says)
+        # By the bin that the state has, which is the first one while the file is changed.
+        return changed_cell(state, with_bin(self.cell, state.cell.bin.name), self.says)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -152,6 +160,22 @@ class EmptyPallets(Command):
         return replace(state, placed=(), message=StateText.PALLETS_EMPTY()), ()
 
 
+def change_whole(state: State, change: Callable[[State], Decision]) -> Decision:
+    """A change made to the cell as its file has it, of which a bin may be chosen and stays so."""
+    if state.whole is None:
+        return change(state)
+    after, effects = change(replace(state, cell=state.whole, whole=None))
+    whole = after.cell
+    try:
+        cell = with_bin(whole, state.cell.bin.name)
+    except InputError:
+        # A cell of before that bin; the scan was of it.
+        message = after.message
+        return begin_stage(after, ScanState, stale=after.stale, message=message), effects
+    after = replace(after, cell=cell, whole=whole if whole.digest != cell.digest else None)
+    return after, tuple(UseCell(cell) if isinstance(e, UseCell) else e for e in effects)
+
+
 def changed_cell(state: State, cell: Cell, says: Message | str) -> Changed:
     """The state with another cell, which an undo can take back; `says` names the change."""
     after, effects = with_cell(state, cell, says)
@@ -188,6 +212,9 @@ def cell_read(state: State, command: CellRead) -> Changed:
         try:
             cell = as_chosen(whole, number, in_force.bin.name)
         except InputError as error:
+            if in_force.bin.name != whole.bin.name:
+                # The scan was of a bin that nobody takes parts from any more.
+                after = begin_stage(after, ScanState, stale=after.stale)
             return replace(after, message=RecipeText.UNFIT(problem=error.message)), effects
     after = replace(after, cell=cell, whole=None if cell.digest == whole.digest else whole)
     return after, tuple(UseCell(cell) if isinstance(e, UseCell) else e for e in effects)
@@ -219,7 +246,7 @@ def _read(state: State, command: CellRead) -> Changed:
 
 
 def with_cell(state: State, cell: Cell, message: Message | str) -> Changed:
-    """The state with another cell: a scan stays as long as the scanner does, all else does not.
+    """The state with another cell: a scan stays as long as scanner and bin do, all else does not.
 
     With other grasps the parts found stay where they are.
     """
@@ -229,6 +256,8 @@ def with_cell(state: State, cell: Cell, message: Message | str) -> Changed:
     if differ_in_grasps_only(cell, state.cell):
         return _with_grasps(state, cell, message)
     same_view = digest_of(cell.scanner) == digest_of(state.cell.scanner)
+    # What another bin holds may have been changed since the scan.
+    same_view &= cell.bin.name == state.cell.bin.name
     scan = state.scan if same_view and state.phase is not Phase.DONE else None
     stale = stale_by(state, difference(state.cell, cell))
     state = replace(before_a_scan(state), cell=cell)

@@ -14,7 +14,12 @@ from workbench.app.core.cycle.arm_scanner import standing_joints, view_problem
 from workbench.app.core.cycle.outcomes import SendingEnd, after_sending
 from workbench.app.core.cycle.parts import FindParts, check_search
 from workbench.app.core.cycle.planning import MakePlan, check_planning
-from workbench.app.core.cycle.results import gone_on, with_result
+from workbench.app.core.cycle.results import (
+    from_next_bin,
+    gone_on,
+    is_exhausted,
+    with_result,
+)
 from workbench.app.core.cycle.scanning import TakeScan, check_scan, take_scan
 from workbench.app.core.effects import StartJob, StopJob
 from workbench.app.core.state import Ahead, Phase, State
@@ -89,7 +94,7 @@ def begun_ahead(state: State, entry: Entry) -> Begun:
     return replace(state, job=begun.job, message=message), effects
 
 
-def brought_ahead(state: State, number: int, result: Any, entry: Entry) -> Begun:
+def brought_ahead(state: State, number: int, result: Any, entry: Entry) -> Decision:
     """The state with a task's result for the next cycle, and the task that follows from it."""
     job, ahead = state.job, state.ahead
     if job is None or ahead is None or job.number != number:
@@ -111,7 +116,7 @@ def given_up(state: State, why: Message) -> Ended:
     return replace(state, ahead=None, job=None, message=message), effects
 
 
-def after_the_end(before: State, after: State, entry: Entry) -> Ended:
+def after_the_end(before: State, after: State, entry: Entry) -> Decision:
     """What was worked on ahead becomes the state's own, or is thrown away, when a plan has ended.
 
     Args:
@@ -134,7 +139,12 @@ def after_the_end(before: State, after: State, entry: Entry) -> Ended:
     message = after.message
     if ahead.brought:
         message = all_of((as_message(after.message), as_message(taken.message)))
-    return replace(taken, job=before.job, message=message), ()
+    taken = replace(taken, job=before.job, message=message)
+    if taken.job is None and is_exhausted(taken):
+        begun, effects = from_next_bin(taken, entry, ahead.wanted)
+        message = all_of((as_message(after.message), as_message(begun.message)))
+        return replace(begun, message=message), effects
+    return taken, ()
 
 
 def _sees(state: State, ahead: Ahead) -> bool:

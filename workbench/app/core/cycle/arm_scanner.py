@@ -10,7 +10,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
-from workbench.model.robot import ArmScanner
+from workbench.model.robot import HOME, ArmScanner
 from workbench.model.scan import Scan
 
 
@@ -52,7 +52,7 @@ def is_at_view(cell: Cell, reported: Mapping[str, float]) -> bool:
 
 
 def view_named(cell: Cell, view: str) -> ArmScanner:
-    """The scanner of a cell on its arm, which has the view of that name; empty: any.
+    """The scanner of a cell on its arm, which has the view of that name; empty: any, or `HOME`.
 
     Raises:
         CommandRefused: the scanner stands, or has no view of that name.
@@ -60,19 +60,24 @@ def view_named(cell: Cell, view: str) -> ArmScanner:
     carrier = cell.scanner.on_arm
     if carrier is None:
         raise CommandRefused(Refusal.SCANNER_STANDS(cell=cell.name))
-    if view not in ("", carrier.view.name):
+    if view not in ("", HOME, carrier.view.name):
         raise CommandRefused(Refusal.OTHER_VIEW(view=f"{view!r:.60}", known=carrier.view.name))
     return carrier
 
 
-def path_problem(cell: Cell, carrier: ArmScanner, joints: Mapping[str, float]) -> Message | None:
-    """Why the path to the view cannot begin; None when the arm stands at its home.
+def path_problem(
+    cell: Cell, carrier: ArmScanner, joints: Mapping[str, float], view: str = ""
+) -> Message | None:
+    """Why the path to the view or home cannot begin; None when the arm stands at its other end.
 
     Args:
         cell: whose scanner it is.
         carrier: the scanner on its arm.
         joints: name -> [rad, m], as `standing_joints` has them.
+        view: where it leads: `HOME`, else to the view.
     """
+    if view == HOME:
+        return view_problem(cell, joints)
     if problem := _unknown(cell, joints):
         return problem
     arm = cell.arm(carrier.arm)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
+from workbench.app.core.cell.changes import change_whole
 from workbench.app.core.cell.making import with_made
 from workbench.app.core.command import EVERY, Command, Decision, Entry, Right
 from workbench.app.core.cycle.ahead import brought_ahead, given_up
@@ -48,7 +49,7 @@ class JobEnded(Command):
     def apply(self, state: State, entry: Entry) -> Decision:
         match self.result:
             case Part() | Tool() as made:
-                return with_made(state, self.number, made)
+                return change_whole(state, lambda whole: with_made(whole, self.number, made))
             case _ if state.phase is Phase.SENDING:
                 return brought_ahead(state, self.number, self.result, entry)
             case _:

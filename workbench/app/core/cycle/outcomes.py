@@ -21,6 +21,7 @@ from workbench.app.core.state import (
 )
 from workbench.app.core.value_checks import check_says
 from workbench.model.cell import Cell
+from workbench.model.derived.by_bin import bin_around
 from workbench.model.derived.row_parts import number_in, parts_taken
 from workbench.model.digest import LATER
 from workbench.model.errors import CommandRefused
@@ -166,10 +167,12 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
 
 
 def _finished_message(state: State, placed: int, expected: int) -> Message:
-    """How many parts were placed; or that the scanner is at its view."""
+    """How many parts were placed; or that the scanner is at its view, or its arm at home."""
     carrier = state.cell.scanner.on_arm
     if carrier is None or state.plan is None or not state.plan.is_view_plan:
         return StateText.CYCLE_FINISHED(count=placed, total=expected)
+    if carrier.leads_home(state.plan.arms[0].legs[0].q):
+        return StateText.REACHED_HOME(arm=carrier.arm)
     return StateText.REACHED_VIEW(arm=carrier.arm, view=carrier.view.name)
 
 
@@ -299,10 +302,12 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
                 for placed_part in state.placed
             ),
         )
-        x, y, z = (state.cell.bin.T_world_bin.inverse() * detection.T_world_part).translation
+        # Another bin may have been chosen since.
+        box = bin_around(state.cell, detection.T_world_part.translation)
+        x, y, z = box.T_world_bin.actInv(detection.T_world_part.translation)
         place = (float(x), float(y), float(z))
         until = at + AVOID_MINUTES * 60.0
-        mark = Avoided(detection.part, place, until, AVOID_SCANS, command.why)
+        mark = Avoided(detection.part, place, until, AVOID_SCANS, command.why, box.name)
         state = replace(state, avoided=(*elsewhere, mark))
     return stop_after_failures(state)
 
@@ -358,5 +363,7 @@ def avoided_parts(state: State, at: float) -> tuple[tuple[int, Message], ...]:
 
 
 def _is_at(cell: Cell, detection: Detection, avoided: Avoided) -> bool:
-    p_bin = (cell.bin.T_world_bin.inverse() * detection.T_world_part).translation
-    return detection.part == avoided.part and math.dist(p_bin, avoided.p_bin) < SAME_PLACE
+    p_world = detection.T_world_part.translation
+    box = bin_around(cell, p_world)
+    is_there = math.dist(box.T_world_bin.actInv(p_world), avoided.p_bin) < SAME_PLACE
+    return (detection.part, box.name) == (avoided.part, avoided.bin) and is_there

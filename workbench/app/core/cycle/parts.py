@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar
 
+from workbench.app.core.cell.bins import with_contents
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
 from workbench.app.core.people import POSES_FOLDER
 from workbench.app.core.state import PartsState, Phase, ScanState, State, begin_stage, stale_by
@@ -124,7 +125,7 @@ def with_detections(state: State, search: SearchRecord) -> State:
     """The state with what a search has found."""
     detections = search.detections
     return begin_stage(
-        state,
+        with_contents(state, is_empty=not detections),
         PartsState,
         phase=Phase.LOCALIZED if detections else Phase.SCANNED,
         searches=(*state.searches, search)[-MOST_SEARCHES:],
@@ -143,6 +144,8 @@ def with_outside_detections(state: State, entry: Entry, command: UseDetections) 
     # Poses from another matcher usually belong to this scan, but never to a picked bin.
     is_picked = state.phase is Phase.DONE
     before = state.parts_before
+    if detections:
+        state = with_contents(state, is_empty=False)
     if before and digest_of(before[0]) == digest_of(detections):
         # What was done last is undone.
         before = before[1:]

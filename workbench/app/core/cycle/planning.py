@@ -1,8 +1,9 @@
 """Plans: asked for, compared, and the threshold that a person wants."""
 
 from dataclasses import dataclass, field, replace
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
+from workbench.app.core.cell.bins import with_contents
 from workbench.app.core.cell.kits import kit_problem, lacks_message
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
@@ -16,8 +17,9 @@ from workbench.app.core.value_checks import (
     check_number,
     check_overrides,
 )
+from workbench.model.candidate import Reason
 from workbench.model.cell import Cell, PlanOverrides
-from workbench.model.derived.by_recipe import strategies_of, strategy_of, wanted_parts
+from workbench.model.derived.by_recipe import kit_of, strategies_of, strategy_of, wanted_parts
 from workbench.model.derived.row_parts import count_taken
 from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
@@ -27,6 +29,9 @@ from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import ClearanceText, PosesText, StateText
 from workbench.model.plan import PlanResult, Proven, floor_distance
+
+if TYPE_CHECKING:
+    from workbench.app.core.cycle.ahead import GoOn
 
 MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""
@@ -92,8 +97,8 @@ def check_planning(cell: Cell, command: MakePlan) -> None:
         check_among("strategy", command.strategy, strategies_of(cell))
 
 
-def make_plan(state: State, entry: Entry, command: MakePlan) -> Begun:
-    """A plan is made for the parts found.
+def make_plan(state: State, entry: Entry, command: MakePlan, then: "GoOn | None" = None) -> Begun:
+    """A plan is made for the parts found; with `then` it is that of a cycle.
 
     Raises:
         CommandRefused: there are none.
@@ -121,6 +126,7 @@ def make_plan(state: State, entry: Entry, command: MakePlan) -> Begun:
         "threshold": threshold,
         "seed": command.seed,
         "planning": command.overrides,
+        "then": then,
     }
     return begin_task(state, entry, "plan", arguments, StateText.PLANNING(), **about)
 
@@ -153,7 +159,7 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         poses = PosesText.UNPROVEN() if state.cell.controller.motion.sends_poses else None
         message = all_of((message, more, *remarks, poses))
     return begin_stage(
-        state,
+        with_contents(state, is_empty=_can_take_nothing(state.cell, result)),
         PlanState,
         phase=phase,
         candidates=result.candidates,
@@ -170,6 +176,15 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         wanted_threshold=state.wanted_threshold,
         message=message,
     )
+
+
+def _can_take_nothing(cell: Cell, result: PlanResult) -> bool:
+    """Whether a planning shows that nothing in the bin can be taken.
+
+    A kit may lack other kinds later, and more time may bring a plan.
+    """
+    is_out_of_time = result.verdict.reason is Reason.OUT_OF_TIME
+    return result.plan is None and not is_out_of_time and not kit_of(cell)
 
 
 def _outlines(state: State, result: PlanResult, job: Job) -> tuple[Outline, ...]:

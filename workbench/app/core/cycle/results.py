@@ -1,26 +1,30 @@
 """What a task of the worker has brought, and what follows by itself."""
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from workbench.app.core.cell.bins import choose_bin, next_bin
 from workbench.app.core.cell.emptying import emptying_words
 from workbench.app.core.cell.kits import kit_problem
-from workbench.app.core.command import Entry
+from workbench.app.core.command import Decision, Entry
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
 from workbench.app.core.cycle.parts import add_search, find_parts, with_detections
 from workbench.app.core.cycle.planning import make_plan, with_plan
-from workbench.app.core.cycle.scanning import with_scan
+from workbench.app.core.cycle.scanning import TakeScan, take_scan, with_scan
 from workbench.app.core.cycle.viewing import with_view_plan
 from workbench.app.core.state import Job, Phase, State
-from workbench.app.core.tasks import Begun
 from workbench.model.calibration import PlateObservation
 from workbench.model.errors import JobCancelled, WorkbenchError
+from workbench.model.messages.cells import BinChoiceText
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.states import StateText, task_message
 from workbench.model.messages.work import JobText
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Scan, SearchRecord
+
+if TYPE_CHECKING:
+    from workbench.app.core.cycle.ahead import GoOn
 
 FAILURES = (
     StateText.TASK_FAILED,
@@ -76,7 +80,7 @@ def _failure_message(job: Job, why: Message) -> Message:
     return StateText.TASK_FAILED(task=task_message(job.name), why=why)
 
 
-def gone_on(before: State, after: State, entry: Entry) -> Begun:
+def gone_on(before: State, after: State, entry: Entry) -> Decision:
     """What follows by itself when the task of `before` has ended, where that was asked for."""
     job = before.job
     if job is None or job.then is None or after.job is not None:
@@ -88,10 +92,37 @@ def gone_on(before: State, after: State, entry: Entry) -> Begun:
             joints = standing_joints(after.cell, entry.joints)
             if problem := scan_problem(after.cell, after.scan, joints) or kit_problem(after):
                 return replace(after, message=all_of((problem, StateText.ENDS_HERE()))), ()
-            return make_plan(after, entry, job.then.plan)
+            return make_plan(after, entry, job.then.plan, then=job.then)
+        case _ if is_exhausted(after) and before.phase is not Phase.SENDING:
+            return from_next_bin(after, entry, job.then)
         case "scan" | "localize", _:
-            return replace(
-                after, message=all_of((as_message(after.message), StateText.ENDS_HERE()))
-            ), ()
+            return _ended(after), ()
         case _:
             return after, ()
+
+
+def from_next_bin(state: State, entry: Entry, then: "GoOn") -> Decision:
+    """The cycle with the next bin where nothing is left to take in the chosen one; or its end."""
+    name, found = next_bin(state), as_message(state.message)
+    if not name:
+        is_every = all(box.name in state.empty_bins for box in state.cell.bins)
+        said = BinChoiceText.ALL_EMPTY() if is_every else None
+        return _ended(replace(state, message=all_of((found, said)))), ()
+    emptied = BinChoiceText.EMPTY(name=state.cell.bin.name)
+    after, effects = choose_bin(state, name)
+    # A simulated bin that follows is not empty.
+    scan = replace(then.scan, parts=then.scan.parts or TakeScan().parts)
+    begun, tasks = take_scan(after, entry, scan, then=replace(then, scan=scan))
+    said = all_of((emptied, as_message(after.message), as_message(begun.message)))
+    return replace(begun, message=said), (*effects, *tasks)
+
+
+def is_exhausted(state: State) -> bool:
+    """Whether the last search or planning has shown that the chosen bin of several is empty."""
+    is_shown = state.detections == () or (state.verdict is not None and state.plan is None)
+    return is_shown and state.cell.bin.name in state.empty_bins
+
+
+def _ended(state: State) -> State:
+    message = all_of((as_message(state.message), StateText.ENDS_HERE()))
+    return replace(state, message=message)

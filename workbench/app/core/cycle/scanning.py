@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TakeScan(Command):
-    """Trigger the scanner.  `seed`, `parts` and `part` shape the simulated pile.
+    """Trigger the scanner.  `seed`, `parts` and `part` shape the simulated pile; 0 parts: none.
 
     `part` is which kind falls, of those that the cell picks; "all": one of each in turn; empty:
     what kits consist of, or the first.
@@ -131,7 +131,7 @@ def check_scan(cell: Cell, command: TakeScan) -> None:
     """
     check_among("part", command.part, ("", ALL_KINDS, *(part.name for part in cell.parts)))
     check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
-    check_integer("parts", command.parts, 1, MOST_PARTS)
+    check_integer("parts", command.parts, 0, MOST_PARTS)
 
 
 def take_scan(
@@ -154,7 +154,7 @@ def take_scan(
 def with_scan(state: State, scan: Scan, at: float) -> State:
     """The state with a new scan, taken at [s since the epoch]."""
     return begin_stage(
-        replace(state, avoided=after_one_more_scan(state.avoided, at), unscanned=None),
+        replace(state, avoided=_after_one_more_scan(state, at), unscanned=None),
         ScanState,
         phase=Phase.SCANNED,
         scan=scan,
@@ -164,13 +164,13 @@ def with_scan(state: State, scan: Scan, at: float) -> State:
     )
 
 
-def after_one_more_scan(avoided: tuple[Avoided, ...], at: float) -> tuple[Avoided, ...]:
-    """What is still avoided in a new scan taken at [s since the epoch]."""
-    return tuple(
-        replace(entry, scans=entry.scans - 1)
-        for entry in avoided
-        if entry.scans > 0 and at < entry.until
-    )
+def _after_one_more_scan(state: State, at: float) -> tuple[Avoided, ...]:
+    """What is still avoided after a new scan of the chosen bin, taken at [s since the epoch]."""
+    now = [
+        replace(entry, scans=entry.scans - (entry.bin == state.cell.bin.name))
+        for entry in state.avoided
+    ]
+    return tuple(entry for entry in now if entry.scans >= 0 and at < entry.until)
 
 
 def sight_plate(state: State, entry: Entry, command: SightPlate) -> Begun:

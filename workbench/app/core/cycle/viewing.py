@@ -1,4 +1,4 @@
-"""The path of a scanner on an arm to its view: planned like a pick, before any scan."""
+"""The path of a scanner on an arm to its view, and back: planned like a pick, before any scan."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -17,7 +17,7 @@ from workbench.model.plan import PlanResult, floor_distance
 class PlanView(Command):
     """Plan how the arm with the scanner goes from its home to the view of this name.
 
-    `view`: empty: that of the cell.
+    `view`: empty: that of the cell; `HOME`: back from it to the arm's home.
     """
 
     right: ClassVar[Right] = Right(CommandText.PLAN_VIEW, SAFE)
@@ -29,7 +29,8 @@ class PlanView(Command):
         check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
         check_text("view", self.view)
         carrier = view_named(state.cell, self.view)
-        refuse(path_problem(state.cell, carrier, standing_joints(state.cell, asked.joints)))
+        joints = standing_joints(state.cell, asked.joints)
+        refuse(path_problem(state.cell, carrier, joints, self.view))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         arguments = {"view": self.view, "placed": state.placed, "seed": self.seed}
@@ -37,18 +38,20 @@ class PlanView(Command):
 
 
 def with_view_plan(state: State, result: PlanResult) -> State:
-    """The state after the path to the view was planned.
+    """The state after the path to the view, or back, was planned.
 
     With a plan the scan is void: the arm leaves where it was taken.
     """
     plan, proof, carrier = result.plan, result.proof, state.cell.scanner.on_arm
     if plan is None or proof is None or carrier is None:
         return replace(state, message=StateText.NO_PLAN(verdict=result.verdict.message))
-    message = StateText.VIEW_PLANNED(
-        view=carrier.view.name,
-        cycle=plan.cycle_seconds,
-        clearance=ClearanceText.FREE(free=floor_distance(proof.clearance)),
-    )
+    facts = {
+        "cycle": plan.cycle_seconds,
+        "clearance": ClearanceText.FREE(free=floor_distance(proof.clearance)),
+    }
+    message = StateText.VIEW_PLANNED(view=carrier.view.name, **facts)
+    if carrier.leads_home(plan.arms[0].legs[0].q):
+        message = StateText.HOME_PLANNED(**facts)
     if not proof.holds:
         message = StateText.NOT_PROVEN(violation=proof.violations[0].message)
     return begin_stage(
