@@ -28,7 +28,7 @@ class MotionModel:
     the link itself acknowledges what is sent, a stop and the end, and says what became of each
     part; otherwise all that is known comes from the states that the controller reports beside it.
 
-    `takes_share`: it can be told to move slower than was planned, along the same way; at most
+    `takes_share`: it can move slower than was planned, along the same way; at most
     `longest` [s] from one waypoint to the next.  `takes_steps`: it can wait for a word before each
     step (`plugins.robot_link.SteppedLink`).  `takes_loads`: it gets the plan's loads.  `maps_axes`:
     it speaks in the numbers that a controller with an `AxisMapping` shows.  `sends_poses`: the

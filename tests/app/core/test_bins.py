@@ -14,7 +14,7 @@ from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.effects import WriteCell
 from workbench.app.core.people import CELL_FILE, WORKER, Role
-from workbench.app.core.state import Phase
+from workbench.app.core.state import EditedCell, Phase
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.journal.journal import Journal
@@ -22,6 +22,7 @@ from workbench.model.derived.by_bin import with_bin
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.message import plain
 from workbench.model.recipes.recipe import Recipe
 
 
@@ -124,7 +125,7 @@ def test_a_change_keeps_the_bins_that_the_cell_has(line):
 def test_an_undo_to_a_cell_without_the_chosen_bin_chooses_its_first(line, samples):
     whole = line.state.cell
     alone = replace(whole, other_bins=(), recipes=())
-    line.state = replace(line.state, before=(alone,))
+    line.state = replace(line.state, before=(EditedCell(alone, plain("added")),))
     line.do(ChooseBin("left"))
     line.do(TakeScan())
     line.ended(samples.scan())

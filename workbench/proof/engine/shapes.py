@@ -23,8 +23,8 @@ from workbench.model.geometry import (
 class Hull:
     """A shape as a hull of points (m, 3) [m], seen from `centre` (3,) [m] in the shape's frame.
 
-    Each point has a box of half lengths `box` (3,) [m], a disc across z of radius `disc` [m] and a
-    ball of radius `ball` [m].  Around it all are a box of half lengths `half` (3,) [m] and a ball
+    Each point has a box of half lengths `box` (3,) [m], a disc of radius `disc` [m] across z, and a
+    ball of `ball` [m].  Around it all are a box of half lengths `half` (3,) [m] and a ball
     of a `radius` [m].
     """
 
