@@ -306,6 +306,34 @@ class StudyAbsent:
 
 
 @dataclass(frozen=True, slots=True)
+class StudyWrongCad:
+    """Find parts by CAD files of a wrong size: are they found, and is the error reported?"""
+
+    cell: CellName = "yumi"
+    scenes: int = 1
+    """How many piles of eight for each part, build and error."""
+    parts: tuple[str, ...] = ("keyed_cylinder", "bracket", "bolt")
+    """Names under parts/, or paths."""
+    noise: tuple[Noise, ...] = (
+        "fine",
+        "rough",
+        "structured_light",
+        "stereo",
+        "time_of_flight",
+        "laser_line",
+    )
+    """Builds of scanner, as in study localization."""
+    scales: tuple[float, ...] = (1.0, 1.02, 1.05, 1.1)
+    """The CAD files are this many times as large as what lies there."""
+    offsets_mm: tuple[float, ...] = (0.5, 1.0, 2.0)
+    """And those whose faces lie this far outside."""
+    seed: FirstSeed = 0
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class Study:
     """Measure how well the cell does on many seeded piles."""
 
@@ -320,4 +348,5 @@ class Study:
         | Annotated[StudyBop, subcommand("bop")]
         | Annotated[StudyScans, subcommand("scans")]
         | Annotated[StudyAbsent, subcommand("absent")]
+        | Annotated[StudyWrongCad, subcommand("wrong-cad")]
     )

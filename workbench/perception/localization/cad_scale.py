@@ -9,17 +9,20 @@ put together by the weights of its information.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import binary_erosion
 
 from workbench.model.geometry import Floats
-from workbench.model.scan import ScaleCheck
+from workbench.model.scan import Objection, ScaleCheck
+from workbench.perception.localization.assessment import refine_at_full_resolution
+from workbench.perception.localization.choice import enough
+from workbench.perception.localization.judging import JudgedChoice, PartSearch, without
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.registration import move, transformed
-from workbench.perception.matching.sightings import AGREEING, Drawing, predicted
-from workbench.perception.parts.part_surface import PartSurface
+from workbench.perception.matching.sightings import AGREEING, Drawing, look, predicted
+from workbench.perception.parts.part_surface import PartSurface, resize_surface
 
 STEPS = 6
 """Of the fit: each draws the part anew."""
@@ -153,3 +156,42 @@ def _pair(
     on = (depth > 0) & (np.abs(off) <= tolerance) & seen.foreground[v, u] & agrees
     # The predicted points, not the measured ones: the noise of these would look like size.
     return _Pairs((rays * shown[j, i][:, None])[on], n[on], off[on])
+
+
+def fit_to_size(
+    search: PartSearch, standing: JudgedChoice, size: float
+) -> tuple[PartSearch, JudgedChoice]:
+    """The search for a part of another size than its CAD file, and its poses fitted to that.
+
+    A wrong CAD file fits at one of its ends only, so the poses are off by up to the difference.
+    What is no longer seen enough falls.
+
+    Args:
+        search: by the CAD file as it is.
+        standing: what was found.
+        size: of the part over its CAD file, no unit.
+    """
+    # About its middle: whoever draws the CAD file as it is at such a pose has it around the part.
+    fixed = search.surface.fixed
+    surface = resize_surface(search.surface, size)
+    seen = search.depth_map.rays.reshape(-1, 3) * search.depth_map.depth.reshape(-1, 1)
+    before = standing.choice.chosen
+    poses = np.array([assessed.pose for assessed in before])
+    for pose, assessed in zip(poses, before, strict=True):
+        # What is seen of it stays in place at first.
+        middle = seen[assessed.sighting.explained].mean(axis=0)
+        pose[:3, 3] += (1.0 - size) * (middle - pose[:3, :3] @ fixed - pose[:3, 3])
+    poses = refine_at_full_resolution(search.depth_map, surface, poses, search.tolerance)
+    sightings = [look(search.depth_map, surface, pose, search.tolerance) for pose in poses]
+    fallen = {
+        i: Objection.TOO_LITTLE
+        for i, sighting in enumerate(sightings)
+        if len(sighting.explained) < enough(sighting)
+    }
+    chosen = [
+        replace(assessed, pose=pose, sighting=sighting)
+        for assessed, pose, sighting in zip(before, poses, sightings, strict=True)
+    ]
+    ratios = tuple(ratio for i, ratio in enumerate(standing.ratios) if i not in fallen)
+    choice = without(replace(standing.choice, chosen=chosen), fallen)
+    return replace(search, surface=surface), JudgedChoice(choice, ratios)

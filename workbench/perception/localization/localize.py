@@ -23,7 +23,7 @@ from workbench.model.scan import (
 from workbench.model.symmetry import ROUND
 from workbench.perception.localization.alternatives import share_nearby
 from workbench.perception.localization.assessment import Assessment
-from workbench.perception.localization.cad_scale import scale_check
+from workbench.perception.localization.cad_scale import fit_to_size, scale_check
 from workbench.perception.localization.certainty import (
     covariance,
     loose_probability_of,
@@ -94,6 +94,10 @@ def together(scan: Scan, brought: Sequence[PartSearch | PartSurface]) -> list[Pa
 
 
 def _conclude(scan: Scan, search: PartSearch, standing: JudgedChoice) -> PartSearchResult:
+    poses = [chosen.pose for chosen in standing.choice.chosen]
+    scale = scale_check(search.part.name, search.depth_map, search.surface, poses, search.tolerance)
+    if scale is not None and scale.is_off:
+        search, standing = fit_to_size(search, standing, scale.ratio)
     choice = standing.choice
     order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
     gains = tuple(choice.chosen[k].sighting.gain * search.depth_map.pitch**2 for k in order)
@@ -101,8 +105,6 @@ def _conclude(scan: Scan, search: PartSearch, standing: JudgedChoice) -> PartSea
         _detection(scan, search, choice.chosen[k], standing.ratios[k]) for k in order
     )
     rejected = _list_rejected(scan, search, choice, order)
-    poses = [chosen.pose for chosen in choice.chosen]
-    scale = scale_check(search.part.name, search.depth_map, search.surface, poses, search.tolerance)
     scales = () if scale is None else (scale,)
     return PartSearchResult(LocalizationResult(detections, rejected, scales), search.surface, gains)
 
