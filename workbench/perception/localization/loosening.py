@@ -15,7 +15,7 @@ import numpy as np
 from workbench.model.geometry import Bools
 from workbench.perception.localization.choice import Choice, Hypothesis
 from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
-from workbench.perception.localization.judging import PartSearch, judge_choices
+from workbench.perception.localization.judging import JudgedChoice, PartSearch, judge_choices
 from workbench.perception.localization.settling import refine_poses
 from workbench.perception.matching.bending import measure_slope
 from workbench.perception.matching.poses import distinct
@@ -75,13 +75,21 @@ def relax_tolerance(found: list[PartSearch], compete: Compete) -> list[PartSearc
     return loose if now >= max(EXPLAINED, TIMES * strict) else found
 
 
-def measure_explained(found: Sequence[PartSearch]) -> float:
-    """Share of what lies in the bin that the parts which stand explain, 0..1."""
+def measure_explained(
+    found: Sequence[PartSearch], judged: Sequence[JudgedChoice] | None = None
+) -> float:
+    """Share of what lies in the bin that the parts which stand explain, 0..1.
+
+    Args:
+        found: the searches of all kinds.
+        judged: which parts stand, if that is known.
+    """
     if not found:
         return 1.0
+    judged = judge_choices(found) if judged is None else judged
     depth_map = found[0].depth_map
     covered: Bools = np.zeros(depth_map.depth.size, np.bool_)
-    for search, standing in zip(found, judge_choices(found), strict=True):
+    for search, standing in zip(found, judged, strict=True):
         for part in standing.choice.chosen:
             covered[look(depth_map, search.surface, part.pose, search.tolerance).explained] = True
     lying = depth_map.foreground.ravel()
