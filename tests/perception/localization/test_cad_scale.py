@@ -73,7 +73,9 @@ def test_a_scan_without_any_noise_tells_it_too(cell, bracket, truth):
     assert check is not None and check.ratio == pytest.approx(1 / 1.01, abs=0.001)
 
 
-@pytest.mark.parametrize(("name", "factor"), [("bolt", 0.95), ("keyed_cylinder", 1.05), ("bracket", 0.97)])
+@pytest.mark.parametrize(
+    ("name", "factor"), [("bolt", 0.95), ("keyed_cylinder", 1.05), ("bracket", 0.97)]
+)
 def test_poses_are_those_of_the_part_though_its_cad_file_is_wrong(cell, name, factor):
     lying = read_part(name)
     truth = drop_parts((lying,) * 6, cell.bin, seed=103)

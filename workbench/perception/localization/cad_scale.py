@@ -32,6 +32,10 @@ RIM = 2
 
 FEWEST_POINTS = 30
 
+WIDE, WIDE_STEPS = 2.5, 4
+"""Tolerances within which points count in the first steps where too few parts tell a scale: of a
+part that is found at one end the other one is off by the whole difference."""
+
 SHARED = 4.0
 """Points that share their errors: this many count as one."""
 
@@ -73,8 +77,11 @@ def scale_check(
         poses: (4, 4) [m] of those found, in the scanner's frame.
         tolerance: [m] see `sightings.look`.
     """
-    fits = [_fit(depth_map, surface, pose, tolerance) for pose in poses]
-    sure = [fit for fit in fits if fit is not None and np.hypot(*fit[1:]) <= TELLING]
+    for reach in (1.0, WIDE):
+        fits = [_fit(depth_map, surface, pose, tolerance, reach) for pose in poses]
+        sure = [fit for fit in fits if fit is not None and np.hypot(*fit[1:]) <= TELLING]
+        if len(sure) >= FEWEST or len(poses) < FEWEST:
+            break
     if len(sure) < FEWEST:
         return None
     scales, deviations, shared = np.array(sure).T
@@ -99,16 +106,18 @@ class _Pairs:
 
 
 def _fit(
-    depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+    depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float, reach: float
 ) -> tuple[float, float, float] | None:
     """By which share one part is larger than its CAD file, and the standard deviations of that.
 
-    The first is its own, the second what all parts of the scan share.
+    The first is its own, the second what all parts of the scan share.  In the first steps points
+    count up to `reach` tolerances away.
     """
     T, scale, radius = np.array(pose), 0.0, surface.diameter / 2
     deviation = shared = np.inf
     for step in range(STEPS):
-        pairs = _pair(depth_map, surface, T, 1.0 + scale, tolerance)
+        wide = tolerance * (reach if step < WIDE_STEPS else 1.0)
+        pairs = _pair(depth_map, surface, T, 1.0 + scale, wide)
         if len(pairs.off) < FEWEST_POINTS:
             return None
         centre = transformed(T, surface.middle)
@@ -119,7 +128,7 @@ def _fit(
         ])  # fmt: skip
         # The robust deviation is not asked before the pose is nearly right.
         spread = max(1.48 * float(np.median(np.abs(pairs.off))), FINEST)
-        gate = tolerance if step < 2 else min(tolerance, GATE * spread)
+        gate = wide if step < 2 else min(wide, GATE * spread)
         weights = np.clip(1.0 - (pairs.off / gate) ** 2, 0.0, None) ** 2  # Tukey's biweight
         if not weights.any():
             return None

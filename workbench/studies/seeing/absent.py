@@ -78,12 +78,11 @@ def absent_tasks(
     tasks: list[AbsentTask] = []
     for situation in SITUATIONS:
         pairs = [*permutations(parts, 2)] if situation == "wrong part" else [("", p) for p in parts]
-        cases = [(*pair, build) for pair, build in product(pairs, builds)]
+        cases = [(lying, searched, build) for (lying, searched), build in product(pairs, builds)]
         order = cycle(rng.permutation(len(cases)))
-        tasks += [
-            AbsentTask(cell, situation, *cases[k], seed + number)
-            for number, k in enumerate(islice(order, scans))
-        ]
+        for number, k in enumerate(islice(order, scans)):
+            lying, searched, build = cases[k]
+            tasks.append(AbsentTask(cell, situation, lying, searched, build, seed + number))
     return tasks
 
 
