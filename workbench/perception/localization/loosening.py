@@ -91,7 +91,10 @@ def measure_explained(
     covered: Bools = np.zeros(depth_map.depth.size, np.bool_)
     for search, standing in zip(found, judged, strict=True):
         for part in standing.choice.chosen:
-            covered[look(depth_map, search.surface, part.pose, search.tolerance).explained] = True
+            seen = part.sighting
+            if search.depth_map is not depth_map:
+                seen = look(depth_map, search.surface, part.pose, search.tolerance)
+            covered[seen.explained] = True
     lying = depth_map.foreground.ravel()
     return float(np.count_nonzero(covered & lying)) / max(int(np.count_nonzero(lying)), 1)
 
