@@ -5,7 +5,8 @@ middle, and one distance by which the whole surface seems to be off along its no
 takes what scanners do to curved surfaces (they average neighbours, and have near things grow); so
 the radius alone of something round says nothing: lengths between faces and edges of different
 directions do.  Pose and distance are eliminated for each detection; what is left of the scale is
-put together by the weights of its information.
+put together by the weights of its information.  Where the part has another size than its CAD file,
+its poses are fitted in that size.
 """
 
 from collections.abc import Sequence
