@@ -104,6 +104,8 @@ HOW: Mapping[type, str] = {
     studies.StudyLocalization: "measuring.studies:study_localization",
     studies.StudyModels: "measuring.models:study_models",
     studies.StudyScans: "measuring.scans:study_scans",
+    studies.StudyAbsent: "measuring.seeing.absent:study_absent",
+    studies.StudyWrongCad: "measuring.seeing.wrong_cad:study_wrong_cad",
     studies.StudyThreshold: "measuring.studies:study_threshold",
     studies.StudyEmptying: "measuring.emptying:emptying",
     studies.StudyPlacing: "measuring.placing:placing",

@@ -23,7 +23,7 @@ from workbench.perception.localization.pose_error import (
     mssd,
     pose_error,
 )
-from workbench.perception.parts.sizing import sized
+from workbench.perception.parts.sizing import grown, sized
 from workbench.perception.simulation.noise_models import NOISE_MODELS, NoiseModel
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
@@ -81,8 +81,9 @@ class Task:
 
     The scanner is not where the cell has it: all that it sees is `raised` [m] and `tilted` [rad]
     about the bin's x axis.  `searched` are the kinds that are searched for, as in `part`; empty:
-    those that lie there.  Their CAD files are `cad_scale` times as large as what lies there, or
-    meshes in the folder `models`, in millimetres, stand in for them.
+    those that lie there.  Their CAD files are `cad_scale` times as large as what lies there, their
+    faces `cad_offset` [m] further outside; or meshes in the folder `models`, in millimetres, stand
+    in for them.
     """
 
     cell: str
@@ -95,6 +96,7 @@ class Task:
     searched: str = ""
     cad_scale: float = 1.0
     models: str = ""
+    cad_offset: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +140,7 @@ class Scene:
 
 def localized_scene(task: Task) -> Scene:
     """Drop parts, scan them, find them, and compare."""
-    cell = _warm(task.cell, task.searched or task.part, task.build, task.cad_scale, task.models)
+    cell = _warm(replace(task, part=task.searched or task.part, searched="", count=0, seed=0))
     lying = replace(cell, parts=_kinds(task.part))
     fallen = pile_of(lying, ALL_KINDS, task.count, seed=task.seed)
     scan = synthesize(lying, fallen, seed=task.seed, noise=BUILDS[task.build].noise)
@@ -199,15 +201,21 @@ def _kinds(names: str) -> tuple[Part, ...]:
 
 
 @lru_cache(maxsize=12)
-def _warm(name: str, parts: str, build: str, cad_scale: float, models: str) -> Cell:
-    """The cell with those parts and scanner, after a search: code and parts are prepared."""
-    kinds = tuple(sized(_with_model(part, models), cad_scale) for part in _kinds(parts))
-    deviation = BUILDS[build].deviation
-    cell = read_cell(name)
+def _warm(task: Task) -> Cell:
+    """The cell of a task, after a search: code and parts are prepared."""
+    kinds = tuple(
+        grown(
+            sized(_with_model(part, task.models), task.cad_scale, about_middle=True),
+            task.cad_offset,
+        )
+        for part in _kinds(task.part)
+    )
+    deviation = BUILDS[task.build].deviation
+    cell = read_cell(task.cell)
     scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
     cell = replace(cell, parts=kinds, scanner=scanner)
     # What falls are the parts as they are: pieces would not fit another mesh.
-    lying = replace(cell, parts=_kinds(parts))
+    lying = replace(cell, parts=_kinds(task.part))
     scan = synthesize(lying, pile_of(lying, ALL_KINDS, len(kinds), seed=0), seed=0)
     find_parts(cell, {"scan": scan, "seed": 0}, silent, never)
     return cell

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from searching import searched
 
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh
@@ -10,10 +11,12 @@ from workbench.model.scan import ScaleCheck
 from workbench.perception.localization.cad_scale import scale_check
 from workbench.perception.matching.maps import make_map
 from workbench.perception.parts.part_surface import prepare
+from workbench.perception.parts.sizing import sized
 from workbench.perception.scene.scene_model import scene_model
 from workbench.perception.simulation.noise_models import NOISE_MODELS
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
+from workbench.studies.localization import compare
 
 TOLERANCE = 0.0015
 
@@ -68,6 +71,22 @@ def test_a_scan_without_any_noise_tells_it_too(cell, bracket, truth):
     still = replace(cell, scanner=replace(cell.scanner, depth_noise=0.0))
     check = told(still, bracket, truth, 1.01, exact)
     assert check is not None and check.ratio == pytest.approx(1 / 1.01, abs=0.001)
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"), [("bolt", 0.95), ("keyed_cylinder", 1.05), ("bracket", 0.97)]
+)
+def test_poses_are_those_of_the_part_though_its_cad_file_is_wrong(cell, name, factor):
+    lying = read_part(name)
+    truth = drop_parts((lying,) * 6, cell.bin, seed=103)
+    scan = synthesize(replace(cell, parts=(lying,)), truth, seed=103)
+    wrong = sized(lying, factor, about_middle=True)
+    found = searched(scan, wrong, replace(cell, parts=(wrong,)), seed=103)
+    (check,) = found.scales
+    assert check.is_off and check.ratio == pytest.approx(1 / factor, abs=0.01)
+    judged, _ = compare((wrong,), truth, found.detections)
+    assert len(judged) >= 4
+    assert all(one.distance is not None and one.distance < 0.001 for one in judged)
 
 
 def test_two_parts_are_not_enough(cell, bracket, truth):

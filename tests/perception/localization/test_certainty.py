@@ -20,12 +20,26 @@ from workbench.perception.simulation.noise_models import NOISE_MODELS
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.studies.localization import DEVIATIONS
+from workbench.studies.seeing.absent import AbsentTask, search_absent
 
 
 def test_chances_rise_with_the_ratio_and_are_never_sure():
-    chances = [probability_of(ratio) for ratio in np.linspace(0.0, 0.5, 11)]
+    chances = [probability_of(ratio, 0.9) for ratio in np.linspace(0.0, 0.5, 11)]
     assert chances == sorted(chances)
     assert 0.5 < chances[0] < 0.95 < chances[-1] < 1.0
+
+
+def test_chances_are_less_where_much_else_lies():
+    chances = [probability_of(0.1, explained) for explained in (0.0, 0.1, 0.3, 0.6, 0.9)]
+    assert chances == sorted(chances)
+    assert chances[1] < 0.5 < 0.9 < chances[-1]
+    # What is met closely is a part among whatever else.
+    assert probability_of(0.45, 0.1) > 0.9
+
+
+def test_a_piece_of_rubbish_that_is_met_poorly_is_no_part():
+    task = AbsentTask("yumi", "rubbish", "", "spacer", "rough", 300064)
+    assert search_absent(task).false_alarms == 0
 
 
 def seen_with(errors):

@@ -73,6 +73,18 @@ def test_other_parts_are_not_found_with_more_tolerance(cell, bracket, part):
     assert all((one.probability or 0.0) < 0.5 for one in result.detections)
 
 
+@pytest.mark.parametrize(
+    ("noise", "deviation", "seed"),
+    [("structured_light", 0.0004, 300057), ("time_of_flight", 0.0025, 300093)],
+)
+def test_bolts_are_not_found_on_thicker_cylinders(cell, part, noise, deviation, seed):
+    bolt = read_part("bolt")
+    seen = replace(cell, scanner=replace(cell.scanner, depth_noise=deviation), parts=(part,))
+    truth = drop_parts((part,) * 8, cell.bin, seed=seed)
+    scan = synthesize(seen, truth, seed=seed, noise=NOISE_MODELS[noise])
+    assert all((one.probability or 0.0) <= 0.5 for one in found(seen, bolt, scan).detections)
+
+
 def eaten(cell, scan, pixels):
     """The scan of a camera whose far things grow over near ones by so many pixels."""
     camera = Pinhole.of_scanner(cell.scanner)

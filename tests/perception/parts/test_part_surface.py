@@ -21,8 +21,10 @@ from workbench.perception.parts.part_surface import (
     ROUGH_OFF,
     VOTING,
     prepare,
+    resize_surface,
 )
 from workbench.perception.parts.point_pairs import make_table, vote
+from workbench.perception.parts.sizing import grown, sized
 from workbench.perception.simulation.synthesize import synthesize
 
 X, Y, Z = np.eye(3)
@@ -122,3 +124,29 @@ def test_the_rough_surface_has_fewer_triangles_and_lies_near_the_fine_one():
     points = trimesh.sample.sample_surface(rough, 2000, seed=1)[0].astype(np.float32)
     off = surface.scene.compute_distance(o3d.core.Tensor(points)).numpy()
     assert np.quantile(off, 0.95) < 2 * ROUGH_OFF * surface.diameter
+
+
+@pytest.mark.parametrize("name", ["bracket", "puck"])
+def test_a_resized_surface_is_that_of_the_resized_part(name):
+    part, factor = read_part(name), 1.07
+    fixed = prepare(part).fixed
+    resized = resize_surface(prepare(part), factor)
+    anew = prepare(sized(part, factor, about_middle=True))
+    assert resized.diameter == pytest.approx(anew.diameter)
+    np.testing.assert_allclose(resized.middle, anew.middle, atol=1e-9)
+    np.testing.assert_allclose(resized.fixed, anew.fixed, atol=1e-9)
+    # A near-symmetry takes the resized surface nearly onto itself, as before.
+    points = np.array(resized.vertices, np.float32)
+    for motion in resized.symmetry.motions:
+        moved = (points @ motion[:3, :3].T + motion[:3, 3]).astype(np.float32)
+        off = resized.scene.compute_distance(o3d.core.Tensor(moved)).numpy()
+        small = fixed + (moved - fixed) / factor
+        before = prepare(part).scene.compute_distance(o3d.core.Tensor(small.astype(np.float32)))
+        np.testing.assert_allclose(off, factor * before.numpy(), atol=1e-5)
+
+
+@pytest.mark.parametrize("by", [0.001, -0.001])
+def test_faces_of_a_grown_part_lie_further_outside(by):
+    part = read_part("puck")
+    sizes = np.ptp(grown(part, by).mesh.points, axis=0) - np.ptp(part.mesh.points, axis=0)
+    np.testing.assert_allclose(sizes, 2 * by, atol=2e-5)

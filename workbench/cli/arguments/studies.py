@@ -16,6 +16,11 @@ from workbench.cli.arguments.names import (
     RecipeNumber,
 )
 
+Noise = Literal[
+    "fine", "rough", "structured_light", "stereo", "time_of_flight", "laser_line", "moving"
+]
+"""Builds of scanner."""
+
 
 @dataclass(frozen=True, slots=True)
 class StudyLocalization:
@@ -32,18 +37,7 @@ class StudyLocalization:
     """Names under parts/, or paths, one after the other; a+b for both in one pile."""
     counts: tuple[int, ...] = (2, 8)
     """Parts in a pile."""
-    noise: tuple[
-        Literal[
-            "fine",
-            "rough",
-            "structured_light",
-            "stereo",
-            "time_of_flight",
-            "laser_line",
-            "moving",
-        ],
-        ...,
-    ] = ("fine", "rough")
+    noise: tuple[Noise, ...] = ("fine", "rough")
     """Builds of scanner: that of the cell, one with twice its noise and many flaws, other kinds."""
     raised: float = 0.0
     """All that is seen lies this much higher than it does [mm]: a scanner calibrated badly."""
@@ -174,9 +168,7 @@ class StudyPlacing:
     grips: int = 2000
     part: str = ""
     """One of the cell's parts, a name under parts/ or a path; the cell's first when not given."""
-    noise: Literal[
-        "fine", "rough", "structured_light", "stereo", "time_of_flight", "laser_line", "moving"
-    ] = "fine"
+    noise: Noise = "fine"
     """Build of scanner, as in study localization."""
     wider: float = 1.0
     """The search is this many times less sure than it says."""
@@ -287,6 +279,61 @@ class StudyScans:
 
 
 @dataclass(frozen=True, slots=True)
+class StudyAbsent:
+    """Search for parts that do not lie there: how often is one reported?
+
+    Another part lies there than is searched for, or nothing, or rubbish.
+    """
+
+    cell: CellName = "yumi"
+    scans: int = 100
+    """How many scans of each situation."""
+    parts: tuple[str, ...] = ("keyed_cylinder", "bracket", "bolt", "puck", "spacer")
+    """Names under parts/, or paths; each is searched for, and lies where another is searched."""
+    noise: tuple[Noise, ...] = (
+        "fine",
+        "rough",
+        "structured_light",
+        "stereo",
+        "time_of_flight",
+        "laser_line",
+    )
+    """Builds of scanner, as in study localization."""
+    seed: FirstSeed = 0
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
+class StudyWrongCad:
+    """Find parts by CAD files of a wrong size: are they found, and is the error reported?"""
+
+    cell: CellName = "yumi"
+    scenes: int = 1
+    """How many piles of eight for each part, build and error."""
+    parts: tuple[str, ...] = ("keyed_cylinder", "bracket", "bolt")
+    """Names under parts/, or paths."""
+    noise: tuple[Noise, ...] = (
+        "fine",
+        "rough",
+        "structured_light",
+        "stereo",
+        "time_of_flight",
+        "laser_line",
+    )
+    """Builds of scanner, as in study localization."""
+    scales: tuple[float, ...] = (1.0, 1.02, 1.05, 1.1)
+    """The CAD files are this many times as large as what lies there."""
+    offsets_mm: tuple[float, ...] = (0.5, 1.0, 2.0)
+    """And those whose faces lie this far outside."""
+    seed: FirstSeed = 0
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class Study:
     """Measure how well the cell does on many seeded piles."""
 
@@ -300,4 +347,6 @@ class Study:
         | Annotated[StudyGrips, subcommand("grips")]
         | Annotated[StudyBop, subcommand("bop")]
         | Annotated[StudyScans, subcommand("scans")]
+        | Annotated[StudyAbsent, subcommand("absent")]
+        | Annotated[StudyWrongCad, subcommand("wrong-cad")]
     )

@@ -5,21 +5,25 @@ middle, and one distance by which the whole surface seems to be off along its no
 takes what scanners do to curved surfaces (they average neighbours, and have near things grow); so
 the radius alone of something round says nothing: lengths between faces and edges of different
 directions do.  Pose and distance are eliminated for each detection; what is left of the scale is
-put together by the weights of its information.
+put together by the weights of its information.  Where the part has another size than its CAD file,
+its poses are fitted in that size.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import binary_erosion
 
 from workbench.model.geometry import Floats
-from workbench.model.scan import ScaleCheck
+from workbench.model.scan import Objection, ScaleCheck
+from workbench.perception.localization.assessment import refine_at_full_resolution
+from workbench.perception.localization.choice import enough
+from workbench.perception.localization.judging import JudgedChoice, PartSearch, without
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.registration import move, transformed
-from workbench.perception.matching.sightings import AGREEING, Drawing, predicted
-from workbench.perception.parts.part_surface import PartSurface
+from workbench.perception.matching.sightings import AGREEING, Drawing, look, predicted
+from workbench.perception.parts.part_surface import PartSurface, resize_surface
 
 STEPS = 6
 """Of the fit: each draws the part anew."""
@@ -28,6 +32,10 @@ RIM = 2
 """Pixels around the part's picture that do not count: there both sides of an edge are mixed."""
 
 FEWEST_POINTS = 30
+
+WIDE, WIDE_STEPS = 2.5, 4
+"""Tolerances within which points count in the first steps where too few parts tell a scale: of a
+part that is found at one end the other one is off by the whole difference."""
 
 SHARED = 4.0
 """Points that share their errors: this many count as one."""
@@ -70,8 +78,11 @@ def scale_check(
         poses: (4, 4) [m] of those found, in the scanner's frame.
         tolerance: [m] see `sightings.look`.
     """
-    fits = [_fit(depth_map, surface, pose, tolerance) for pose in poses]
-    sure = [fit for fit in fits if fit is not None and np.hypot(*fit[1:]) <= TELLING]
+    for reach in (1.0, WIDE):
+        fits = [_fit(depth_map, surface, pose, tolerance, reach) for pose in poses]
+        sure = [fit for fit in fits if fit is not None and np.hypot(*fit[1:]) <= TELLING]
+        if len(sure) >= FEWEST or len(poses) < FEWEST:
+            break
     if len(sure) < FEWEST:
         return None
     scales, deviations, shared = np.array(sure).T
@@ -96,16 +107,18 @@ class _Pairs:
 
 
 def _fit(
-    depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+    depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float, reach: float
 ) -> tuple[float, float, float] | None:
     """By which share one part is larger than its CAD file, and the standard deviations of that.
 
-    The first is its own, the second what all parts of the scan share.
+    The first is its own, the second what all parts of the scan share.  In the first steps points
+    count up to `reach` tolerances away.
     """
     T, scale, radius = np.array(pose), 0.0, surface.diameter / 2
     deviation = shared = np.inf
     for step in range(STEPS):
-        pairs = _pair(depth_map, surface, T, 1.0 + scale, tolerance)
+        wide = tolerance * (reach if step < WIDE_STEPS else 1.0)
+        pairs = _pair(depth_map, surface, T, 1.0 + scale, wide)
         if len(pairs.off) < FEWEST_POINTS:
             return None
         centre = transformed(T, surface.middle)
@@ -116,7 +129,7 @@ def _fit(
         ])  # fmt: skip
         # The robust deviation is not asked before the pose is nearly right.
         spread = max(1.48 * float(np.median(np.abs(pairs.off))), FINEST)
-        gate = tolerance if step < 2 else min(tolerance, GATE * spread)
+        gate = wide if step < 2 else min(wide, GATE * spread)
         weights = np.clip(1.0 - (pairs.off / gate) ** 2, 0.0, None) ** 2  # Tukey's biweight
         if not weights.any():
             return None
@@ -153,3 +166,42 @@ def _pair(
     on = (depth > 0) & (np.abs(off) <= tolerance) & seen.foreground[v, u] & agrees
     # The predicted points, not the measured ones: the noise of these would look like size.
     return _Pairs((rays * shown[j, i][:, None])[on], n[on], off[on])
+
+
+def fit_to_size(
+    search: PartSearch, standing: JudgedChoice, size: float
+) -> tuple[PartSearch, JudgedChoice]:
+    """The search for a part of another size than its CAD file, and its poses fitted to that.
+
+    A wrong CAD file fits at one of its ends only, so the poses are off by up to the difference.
+    What is no longer seen enough falls.
+
+    Args:
+        search: by the CAD file as it is.
+        standing: what was found.
+        size: of the part over its CAD file, no unit.
+    """
+    # About its middle: whoever draws the CAD file as it is at such a pose has it around the part.
+    fixed = search.surface.fixed
+    surface = resize_surface(search.surface, size)
+    seen = search.depth_map.rays.reshape(-1, 3) * search.depth_map.depth.reshape(-1, 1)
+    before = standing.choice.chosen
+    poses = np.array([assessed.pose for assessed in before])
+    for pose, assessed in zip(poses, before, strict=True):
+        # What is seen of it stays in place at first.
+        middle = seen[assessed.sighting.explained].mean(axis=0)
+        pose[:3, 3] += (1.0 - size) * (middle - pose[:3, :3] @ fixed - pose[:3, 3])
+    poses = refine_at_full_resolution(search.depth_map, surface, poses, search.tolerance)
+    sightings = [look(search.depth_map, surface, pose, search.tolerance) for pose in poses]
+    fallen = {
+        i: Objection.TOO_LITTLE
+        for i, sighting in enumerate(sightings)
+        if len(sighting.explained) < enough(sighting)
+    }
+    chosen = [
+        replace(assessed, pose=pose, sighting=sighting)
+        for assessed, pose, sighting in zip(before, poses, sightings, strict=True)
+    ]
+    ratios = tuple(ratio for i, ratio in enumerate(standing.ratios) if i not in fallen)
+    choice = without(replace(standing.choice, chosen=chosen), fallen)
+    return replace(search, surface=surface), JudgedChoice(choice, ratios)

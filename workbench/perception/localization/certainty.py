@@ -35,7 +35,12 @@ LOOSEST = 0.1
 """Deviation over the diameter of what nothing holds: more, and another pose would be found."""
 
 CERTAIN, STEEPNESS = 1.5, 15.0
-"""Log odds that a part stands there at a log likelihood ratio of zero, and their growth with it."""
+"""Log odds that a part stands there at a log likelihood ratio of zero, at most, and their growth
+with it.  They are those by which what lies in the bin is a part found rather than something else:
+where little is explained, much else may look like a part."""
+
+LEAST_EXPLAINED = 0.01
+"""Share of what lies in the bin that is never taken for less."""
 
 LOOSELY_CERTAIN, LOOSE_STEEPNESS = -3.0, 10.0
 """The same where more is tolerated (`loosening`), for the ratio over all that a part should show.
@@ -47,9 +52,16 @@ TURNED_RIGHT = 0.985
 of scanner see them, 423 were within 2 mm and 3 degrees, the others at any ratio."""
 
 
-def probability_of(ratio: float) -> float:
-    """The chance that a detection is right, 0..1, by its log likelihood ratio [nat]."""
-    return TURNED_RIGHT / (1.0 + float(np.exp(-(CERTAIN + STEEPNESS * ratio))))
+def probability_of(ratio: float, explained: float) -> float:
+    """The chance that a detection is right, 0..1.
+
+    Args:
+        ratio: [nat] its log likelihood ratio.
+        explained: share of what lies in the bin that all parts found explain, 0..1.
+    """
+    share = float(np.clip(explained, LEAST_EXPLAINED, 1.0 - LEAST_EXPLAINED))
+    prior = min(CERTAIN, float(np.log(share / (1.0 - share))))
+    return TURNED_RIGHT / (1.0 + float(np.exp(-(prior + STEEPNESS * ratio))))
 
 
 def loose_probability_of(ratio: float, visible: float) -> float:

@@ -23,7 +23,7 @@ from workbench.model.scan import (
 from workbench.model.symmetry import ROUND
 from workbench.perception.localization.alternatives import share_nearby
 from workbench.perception.localization.assessment import Assessment
-from workbench.perception.localization.cad_scale import scale_check
+from workbench.perception.localization.cad_scale import fit_to_size, scale_check
 from workbench.perception.localization.certainty import (
     covariance,
     loose_probability_of,
@@ -44,6 +44,7 @@ from workbench.perception.localization.hypotheses import (
 )
 from workbench.perception.localization.judging import JudgedChoice, PartSearch, judge_choices
 from workbench.perception.localization.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
+from workbench.perception.localization.loosening import measure_explained
 from workbench.perception.matching.maps import MIXED, POINTS_A_PIXEL, DepthMap, make_map
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import look
@@ -84,25 +85,31 @@ class PartSearchResult:
 def together(scan: Scan, brought: Sequence[PartSearch | PartSurface]) -> list[PartSearchResult]:
     """The searches for several parts in one scan, without what does not stand beside the others."""
     found = [search for search in brought if isinstance(search, PartSearch)]
-    standing = iter(judge_choices(found))
+    judged = judge_choices(found)
+    explained = measure_explained(found, judged)
+    standing = iter(judged)
     return [
-        _conclude(scan, search, next(standing))
+        _conclude(scan, search, next(standing), explained)
         if isinstance(search, PartSearch)
         else PartSearchResult(LocalizationResult(()), search, ())
         for search in brought
     ]
 
 
-def _conclude(scan: Scan, search: PartSearch, standing: JudgedChoice) -> PartSearchResult:
+def _conclude(
+    scan: Scan, search: PartSearch, standing: JudgedChoice, explained: float
+) -> PartSearchResult:
+    poses = [chosen.pose for chosen in standing.choice.chosen]
+    scale = scale_check(search.part.name, search.depth_map, search.surface, poses, search.tolerance)
+    if scale is not None and scale.is_off:
+        search, standing = fit_to_size(search, standing, scale.ratio)
     choice = standing.choice
     order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
     gains = tuple(choice.chosen[k].sighting.gain * search.depth_map.pitch**2 for k in order)
     detections = tuple(
-        _detection(scan, search, choice.chosen[k], standing.ratios[k]) for k in order
+        _detection(scan, search, choice.chosen[k], standing.ratios[k], explained) for k in order
     )
     rejected = _list_rejected(scan, search, choice, order)
-    poses = [chosen.pose for chosen in choice.chosen]
-    scale = scale_check(search.part.name, search.depth_map, search.surface, poses, search.tolerance)
     scales = () if scale is None else (scale,)
     return PartSearchResult(LocalizationResult(detections, rejected, scales), search.surface, gains)
 
@@ -259,11 +266,15 @@ def _different(surface: PartSurface, choice: Choice) -> list[Rejection]:
     return [ranked[k - len(choice.chosen)] for k in kept if k >= len(choice.chosen)]
 
 
-def _detection(scan: Scan, sought: PartSearch, assessed: Assessment, ratio: float) -> Detection:
+def _detection(
+    scan: Scan, sought: PartSearch, assessed: Assessment, ratio: float, explained: float
+) -> Detection:
     sighting = assessed.sighting
     axes = np.kron(np.eye(2), scan.T_world_scanner.rotation)
     chance = (
-        loose_probability_of(ratio, sighting.visible) if sought.is_loose else probability_of(ratio)
+        loose_probability_of(ratio, sighting.visible)
+        if sought.is_loose
+        else probability_of(ratio, explained)
     )
     known = covariance(
         sought.depth_map,

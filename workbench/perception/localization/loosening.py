@@ -4,7 +4,7 @@ How far the scan may be off a part is told by its noise.  Cameras that smooth ov
 parts that are some per cent larger or smaller than their CAD file, are off by more.  Where what was
 found explains little of what lies in the bin, the same poses are held against the scan once more
 with several times the tolerance.  That counts if it then explains much of what lies there, and far
-more than before: wrong parts do not.
+more than before, and if the scan bends there as the parts do: wrong parts do not.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,8 +15,9 @@ import numpy as np
 from workbench.model.geometry import Bools
 from workbench.perception.localization.choice import Choice, Hypothesis
 from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
-from workbench.perception.localization.judging import PartSearch, judge_choices
+from workbench.perception.localization.judging import JudgedChoice, PartSearch, judge_choices
 from workbench.perception.localization.settling import refine_poses
+from workbench.perception.matching.bending import measure_slope
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import look
 
@@ -36,6 +37,11 @@ LOOSE_ENDS = 0.75
 EXPLAINED, TIMES = 0.4, 1.5
 """They must explain this share then, and this many times what they did."""
 
+LEAST_SLOPE = 0.65
+"""Slope of the directions measured over those of the parts of a kind, see `bending`, below which
+another kind lies there.  Parts that are a tenth larger than their CAD file have 0.85, and 0.75 as
+cameras by time of flight smooth them; bolts on cylinders of twice their radius have 0.5."""
+
 STEPS = (0.02, 0.01, 0.005)
 """Lengths of the steps by which poses are brought to rest, over the diameter."""
 
@@ -46,7 +52,8 @@ Compete = Callable[[Sequence[PartSearch], Sequence[list[Hypothesis]]], None]
 def relax_tolerance(found: list[PartSearch], compete: Compete) -> list[PartSearch]:
     """The searches with a relaxed tolerance where the accepted parts explain less than half.
 
-    The result is kept only if it explains much more; otherwise the searches stay as they are.
+    The result is kept only if it explains much more; otherwise the searches stay as they are.  So
+    does that of a kind in whose place the scan bends otherwise.
 
     Args:
         found: the searches of all kinds, after the first vote.
@@ -60,19 +67,34 @@ def relax_tolerance(found: list[PartSearch], compete: Compete) -> list[PartSearc
         loose,
         [_again(search, before) for search, before in zip(loose, found, strict=True)],
     )
+    loose = [
+        search if _bends_alike(search) else before
+        for search, before in zip(loose, found, strict=True)
+    ]
     now = measure_explained(loose)
     return loose if now >= max(EXPLAINED, TIMES * strict) else found
 
 
-def measure_explained(found: Sequence[PartSearch]) -> float:
-    """Share of what lies in the bin that the parts which stand explain, 0..1."""
+def measure_explained(
+    found: Sequence[PartSearch], judged: Sequence[JudgedChoice] | None = None
+) -> float:
+    """Share of what lies in the bin that the parts which stand explain, 0..1.
+
+    Args:
+        found: the searches of all kinds.
+        judged: which parts stand, if that is known.
+    """
     if not found:
         return 1.0
+    judged = judge_choices(found) if judged is None else judged
     depth_map = found[0].depth_map
     covered: Bools = np.zeros(depth_map.depth.size, np.bool_)
-    for search, standing in zip(found, judge_choices(found), strict=True):
+    for search, standing in zip(found, judged, strict=True):
         for part in standing.choice.chosen:
-            covered[look(depth_map, search.surface, part.pose, search.tolerance).explained] = True
+            seen = part.sighting
+            if search.depth_map is not depth_map:
+                seen = look(depth_map, search.surface, part.pose, search.tolerance)
+            covered[seen.explained] = True
     lying = depth_map.foreground.ravel()
     return float(np.count_nonzero(covered & lying)) / max(int(np.count_nonzero(lying)), 1)
 
@@ -88,6 +110,13 @@ def _loose(search: PartSearch) -> PartSearch:
         is_loose=True,
         choice=_nothing(search),
     )
+
+
+def _bends_alike(search: PartSearch) -> bool:
+    """Whether the scan bends as the parts of a kind that were taken; also where nothing bends."""
+    placed = [(part.pose, part.sighting) for part in search.choice.chosen]
+    slope = measure_slope(search.depth_map, search.surface, placed, search.tolerance)
+    return slope is None or slope >= LEAST_SLOPE
 
 
 def _nothing(search: PartSearch) -> Choice:

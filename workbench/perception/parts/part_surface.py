@@ -1,6 +1,6 @@
 """What the localizer knows of a part: prepared once from its mesh and kept by its digest."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -152,6 +152,43 @@ def _prepare(part: Part) -> PartSurface:
         stated=part.symmetry.motions(STEPS),
         fixed=part.symmetry.invariant_point(middle),
         is_ball=part.symmetry.form == BALL or _is_ball(outer.points, middle, diameter),
+    )
+
+
+def resize_surface(surface: PartSurface, factor: float) -> PartSurface:
+    """The surface of a part that is `factor` times as large, about `PartSurface.fixed`."""
+    fixed = surface.fixed
+
+    def grown(points: Floats) -> Floats:
+        return fixed + factor * (points - fixed)
+
+    def oriented(points: OrientedPoints) -> OrientedPoints:
+        return OrientedPoints(grown(points.points), points.normals)
+
+    drawn = trimesh.Trimesh(grown(surface.vertices), surface.triangles, process=False)
+    scene = o3d.t.geometry.RaycastingScene()
+    add_surface(scene, drawn)
+    table, motions = surface.table, np.array(surface.symmetry.motions)
+    # What a motion does to the point grows with the part.
+    motions[:, :3, 3] += (factor - 1.0) * (motions[:, :3, :3] @ fixed + motions[:, :3, 3] - fixed)
+    axis = surface.symmetry.axis
+    return replace(
+        surface,
+        diameter=factor * surface.diameter,
+        middle=grown(surface.middle),
+        vertices=grown(surface.vertices),
+        rough_vertices=grown(surface.rough_vertices),
+        coarse=oriented(surface.coarse),
+        table=replace(
+            table,
+            model=oriented(table.model),
+            references=oriented(table.references),
+            diameter=factor * table.diameter,
+        ),
+        scene=scene,
+        symmetry=NearSymmetry(
+            motions, None if axis is None else np.array([grown(axis[0]), axis[1]])
+        ),
     )
 
 

@@ -1,0 +1,1 @@
+"""Commands that measure searches for absent parts, and by wrong CAD files."""

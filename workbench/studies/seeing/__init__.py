@@ -1,0 +1,1 @@
+"""Absent parts, and wrong CAD files."""
