@@ -64,8 +64,8 @@ class PileTask:
     `TOGETHER`; empty: the cell's first.  `settles`: the rest moves by physics as a part is lifted.
     `bounds`: what stays is tried by all grasps of the tool, too.  `change`: a change of the
     cell (`app.emptying.changes`) that the pile is emptied with, None for none; it lies as without
-    it, and what stays is reported without a nearest fix.  `picks`: plans in a row after one look, at
-    most.  `recipe` is the number of the cell's recipe, 0 for none; `bin` the name of its bin.
+    it, and what stays is reported without a nearest fix.  `picks`: plans in a row after one look,
+    at most.  `recipe` is the number of the cell's recipe, 0 for none; `bin` the name of its bin.
     """
 
     cell: str

@@ -56,7 +56,8 @@ class SimulatedController:
             simulation: where it listens and how it moves.  To `record` it appends every
                 configuration that arrives, to `trace` every state that the arms go through, as
                 JSON lines.  Each of the faults happens once.
-            paces: arms that run legs slower than planned, or faster, where they may; 1 is as planned.
+            paces: arms that run legs slower than planned, or faster, where they may; 1 is
+                as planned.
             patience: how long clients are waited for.
 
         Raises:

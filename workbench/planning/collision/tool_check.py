@@ -44,6 +44,8 @@ class Fit:
 class ToolCheck:
     """The tools of a cell alone, and what they would meet of what stands around them.
 
+    `grips` are those that a search has found, by number of the detection and name of the tool.
+
     Lifetime: as long as the surroundings.
     """
 
@@ -56,6 +58,7 @@ class ToolCheck:
         self._still = surroundings
         self._around: dict[str, Around] = {}
         self._tools = {arm.name: tool_shapes(arm.tool) for arm in cell.arms}
+        self.grips: dict[tuple[int, str], tuple[Grasp, ...]] = {}
 
     def contact(
         self, arm: Arm, T_world_tcp: pin.SE3, opening: float, target: int, press: float

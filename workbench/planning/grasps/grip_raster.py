@@ -98,8 +98,6 @@ class Grips:
             clear: (n,) grips that are tried, see `clear_grips`.
             most: grips that are wanted.
         """
-        if most == 0:
-            return ()
         found: list[int] = []
         order = np.random.default_rng(0).permutation(clear)
         for numbers in np.split(order, range(BATCH, len(order), BATCH)):

@@ -109,21 +109,25 @@ def search_candidates(
         round: which of the `ROUNDS`.
         looked: is called with the progress, and may end it by raising.
     """
-    part = world.cell.part(world.detections[number].part)
-    known: dict[str, tuple[Grasp, ...]] = {}
-    first, most = ROUNDS[round]
+    part, check = world.cell.part(world.detections[number].part), world.tool_check
+    before, most = ROUNDS[round]
+    new: dict[str, tuple[Grasp, ...]] = {}
     found: list[Candidate] = []
     for count, arm in enumerate(world.cell.arms):
         looked(count, len(world.cell.arms))
-        if arm.tool.name not in known:
-            grips = grips_of(part, arm.tool, _acceleration(world.cell, part, arm.tool))
-            fit = partial(world.tool_check.free, arm, number)
-            clear = clear_grips(world.cell, part, arm)
-            before = grips.search(fit, clear, first)
-            wanted = grips.search(fit, clear, most)
-            known[arm.tool.name] = tuple(grip for grip in wanted if grip not in before)
-        if known[arm.tool.name]:
-            found += _candidates(world, [number], known[arm.tool.name], arm)
+        tool = arm.tool.name
+        if tool not in new:
+            known = check.grips.get((number, tool), ())
+            # Where there were fewer than wanted there are no more.
+            every = known
+            if len(known) == before:
+                grips = grips_of(part, arm.tool, _acceleration(world.cell, part, arm.tool))
+                fit = partial(check.free, arm, number)
+                every = grips.search(fit, clear_grips(world.cell, part, arm), most)
+            new[tool] = tuple(grip for grip in every if grip not in known)
+            check.grips[number, tool] = every
+        if new[tool]:
+            found += _candidates(world, [number], new[tool], arm)
     return tuple(sorted(found, key=lambda c: (not c.verdict.is_ok, c.rank)))
 
 
