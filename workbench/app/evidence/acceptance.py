@@ -30,7 +30,7 @@ Picks = Sequence[tuple[CycleRecord, PickRecord]]
 
 @dataclass(frozen=True, slots=True)
 class Targets:
-    """What was agreed: of so many `picks` a `share`, 0 to 1, is taken, each in `seconds`.
+    """What was agreed: the `share`, 0 to 1, of the last `picks` that is taken, each in `seconds`.
 
     None for a time leaves it open.
     """

@@ -1,10 +1,10 @@
 """A scan that is not as good as it seems, or a part that is not as its CAD file has it.
 
-How far the scan may be off a part is told by its noise.  Cameras that smooth over many pixels, and
-parts that are some per cent larger or smaller than their CAD file, are off by more.  Where what was
-found explains little of what lies in the bin, the same poses are held against the scan once more
-with several times the tolerance.  That counts if it then explains much of what lies there, and far
-more than before, and if the scan bends there as the parts do: wrong parts do not.
+The noise of a scan says how far it may be off a part.  Cameras that smooth over many pixels, and
+parts that are some per cent larger or smaller than their CAD file, are off by more.  Where the
+parts found explain little of what lies in the bin, the same poses are compared with the scan once
+more, with several times the tolerance.  That counts if it then explains much of what lies there,
+and far more than before.  The scan must also bend there as the parts do: wrong parts do not.
 """
 
 from collections.abc import Callable, Sequence

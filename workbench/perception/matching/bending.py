@@ -1,6 +1,6 @@
 """Whether what is measured in the place of parts bends as the parts do.
 
-A part of another size than its CAD file has the same directions on its surface, and a camera that
+A part of another size than its CAD file has the same directions on its surface.  A camera that
 smooths changes them near edges alone.  Another kind may lie within the tolerance, a thick cylinder
 where a thin bolt is thought to be, and turn away less.  So the measured normals are fitted to the
 predicted ones: the slope is about 1 for the part, and the ratio of both radii for another cylinder.
