@@ -35,6 +35,18 @@ def test_a_box_becomes_a_part_with_grasps(say, box):
     assert again.code == 2 and "is there already" in again.problem
 
 
+@pytest.mark.parametrize(
+    "file, name",
+    [("Gear Motor (v2).stl", "Gear_Motor__v2"), ("_é.stl", "part"), ("x" * 90 + ".stl", "x" * 60)],
+)
+def test_a_part_is_named_after_its_file_where_no_name_is_given(say, box, file, name):
+    box.rename(file)
+    said = say("part", "import", file, "--json")
+    assert said.code == 0, said.err
+    assert read_part(name).name == name
+    assert say("part", "import", file).code == 2
+
+
 @pytest.mark.extensive
 def test_import_and_check_say_one_figure_of_pieces_that_are_too_large(say, box):
     slot = (((0, 0, 5), (60, 40, 10)), ((-25, 0, 20), (10, 40, 20)), ((25, 0, 20), (10, 40, 20)))

@@ -18,8 +18,9 @@ class PartImport:
 
     file: Positional[Path]
     """The CAD file."""
-    name: str
-    """Name of the part and of its folder, which must not be there yet."""
+    name: Maybe[str] = None
+    """Name of the part and of its folder, which must not be there yet; that of the file when not
+    given."""
     unit: Maybe[Literal["mm", "m", "inch"]] = None
     """Unit of an STL, OBJ or PLY file, needed when its size leaves a doubt; or of a GLB, GLTF, 3MF
     or DAE file that states another than it has."""

@@ -19,21 +19,22 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, print_json, print_table, progress
 from workbench.formats.files.shipped import folders
 from workbench.formats.meshes.cad_files import SeveralSolids, is_unusual
-from workbench.formats.parts.new_part import HEAVIEST, LIGHTEST, check_name
+from workbench.formats.parts.new_part import HEAVIEST, LIGHTEST, check_name, name_after
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError
 
 
 def import_part(typed: PartImport) -> int:
     """Make the folder of a part and tell what was found."""
-    check_name(typed.name)
+    name = name_after(typed.file.name) if typed.name is None else typed.name
+    check_name(name)
     check_number("--density", typed.density, *DENSITIES)
     if typed.mass_g is not None:
         check_number("--mass-g", typed.mass_g, LIGHTEST * 1000, HEAVIEST * 1000)
-    if (typed.into / typed.name).exists():
-        raise FileError(typed.into / typed.name, "is there already; choose another name")
+    if (typed.into / name).exists():
+        raise FileError(typed.into / name, "is there already; choose another name")
     try:
-        made = _make(typed)
+        made = _make(typed, name)
     except SeveralSolids as error:
         if not typed.json:
             _print_solids(error)
@@ -45,7 +46,7 @@ def import_part(typed: PartImport) -> int:
     return SUCCESS
 
 
-def _make(typed: PartImport) -> MadePart:
+def _make(typed: PartImport, name: str) -> MadePart:
     choices = CadChoices(
         typed.unit,
         None if typed.whole else typed.solid or "",
@@ -56,7 +57,7 @@ def _make(typed: PartImport) -> MadePart:
         make_ready(report, ("planning",))
         return make_part(
             typed.file,
-            typed.name,
+            name,
             typed.into,
             choices,
             density=typed.density,

@@ -7,7 +7,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import numpy as np
 
@@ -157,6 +157,12 @@ def check_name(name: str) -> None:
     """
     if not NAME.fullmatch(name):
         raise InputError(FileProblem.PART_NAME(name=repr(name)))
+
+
+def name_after(file: str) -> str:
+    """A name that a part may have, after that of its CAD file."""
+    letters = (c if c.isalnum() and c.isascii() else "_" for c in PurePath(file).stem)
+    return "".join(letters).strip("_")[:60] or "part"
 
 
 def write_part(

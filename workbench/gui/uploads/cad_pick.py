@@ -2,7 +2,6 @@
 
 import logging
 from collections.abc import Callable
-from pathlib import PurePosixPath
 from threading import Thread
 from typing import Any
 
@@ -15,6 +14,7 @@ from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import sent_name
 from workbench.formats.meshes.cad_files import KINDS
 from workbench.formats.meshes.cad_look import CadLook
+from workbench.formats.parts.new_part import name_after
 from workbench.gui.shared.views import line
 from workbench.gui.shared.viser_server import element_id, taken_upload
 from workbench.gui.shared.visitor import Visitor, hidden_css
@@ -96,8 +96,7 @@ class CadPick:
     @property
     def stem(self) -> str:
         """The name of the file as that of a thing: letters, digits and _."""
-        stem = PurePosixPath(self.drawing.file).stem if self.drawing is not None else ""
-        return "".join(c if c.isalnum() and c.isascii() else "_" for c in stem)[:60]
+        return "" if self.drawing is None else name_after(self.drawing.file)
 
     def admit(self, state: State, command: type) -> None:
         """Let a file be chosen while the command that takes it is in order."""
