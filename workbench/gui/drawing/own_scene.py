@@ -50,7 +50,7 @@ class OwnScene:
             if is_first or old.own.dragged is not new.own.dragged:
                 self._verdicts.draw(new.own.dragged)
             are_other_parts = is_first or old.state.detections is not new.state.detections
-            if are_other_parts or old.own.part is not new.own.part:
+            if are_other_parts or is_first or old.own.part is not new.own.part:
                 draw_chosen(self._scene, old, new)
             if is_first or old.own.carried is not new.own.carried:
                 self._carried.draw(new.own.carried)

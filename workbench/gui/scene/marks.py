@@ -17,8 +17,8 @@ from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, RejectedHypothesis
 
 ABOVE, APART, AROUND = 0.012, 0.018, 0.035
-"""[m] A pin ends so far above its part; pins that stand less than `AROUND` from each other end in
-heights that differ by `APART` at least."""
+"""[m] How far a pin ends above its part.  The ends of pins that stand nearer than `AROUND` differ
+in height by `APART` at least."""
 
 HEAD = 0.003
 """[m] Radius of a pin's head."""
