@@ -37,6 +37,11 @@ POINT_KEYS = tuple(
 ) + ("enter", "escape")
 """What is typed to move the marked point of a surface, to take it, and to end that."""
 
+POINT_HELP = (
+    "Click on the surface, or move the point by the arrow keys, with Shift in small steps. "
+    "Enter puts the grasp there, Escape ends."
+)
+
 POINT_TYPED = (
     "const id=JSON.parse(this.dataset.keys)[(event.shiftKey?'shift+':'')+event.key.toLowerCase()];"
     "if(id){event.preventDefault();event.stopPropagation();document.getElementById(id).click()}"
@@ -287,9 +292,7 @@ def point_box(buttons: Mapping[str, str]) -> str:
     return (
         f'<div class="wb-point" tabindex="0" role="application" data-focus '
         f'data-keys="{escape(json.dumps(dict(buttons)))}" onkeydown="{POINT_TYPED}" '
-        f'aria-label="Point on the surface">'
-        "Click on the surface, or move the point by the arrow keys, with Shift in small steps. "
-        "Enter puts the grasp there, Escape ends.</div>"
+        f'aria-label="{POINT_HELP}">{POINT_HELP}</div>'
     )
 
 

@@ -25,13 +25,13 @@ HEAD = 0.003
 
 
 def pin_heights(tops: Floats) -> Floats:
-    """Where the pins of parts end, so that no label covers another one.
+    """Where the pins of parts end, so that labels of near parts do not cover each other.
 
     Args:
         tops: the highest point of each part in the world, above its middle, (n, 3) [m].
 
     Returns:
-        z (n,) [m]; the pin of a lower part ends below that of a higher part that is near.
+        z (n,) [m].
     """
     heights = np.zeros(len(tops))
     ended: list[int] = []
