@@ -80,7 +80,7 @@ def label_pin(scene: viser.SceneApi, number: int, height: float, *, is_chosen: b
     scene.add_label(
         label_name(number),
         f"{number + 1}",
-        font_screen_scale=1.4 if is_chosen else 0.85,
+        font_screen_scale=1.5 if is_chosen else 1.0,
         anchor="bottom-center",
         depth_test=not is_chosen,
         position=(0.0, 0.0, height + HEAD),
