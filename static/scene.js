@@ -99,6 +99,12 @@ function dress() {
   every(FIELDS).forEach(nameField);
   nameIcons();
   nameLandmarks();
+  // What goes on changing is read out; what appears to be typed into gets the focus.
+  for (const said of every(".wb-said")) said.parentElement.setAttribute("aria-live", "polite");
+  for (const box of every("[data-focus]")) {
+    delete box.dataset.focus;
+    box.focus();
+  }
   for (const { list, item } of LISTS) every(list).forEach((one) => dressList(one, item));
   showChosen();
   comeBack();
@@ -163,6 +169,14 @@ function letGo(event) {
   held = null;
 }
 
+function tellWhole(event) {
+  // A field of a list may be too narrow for what is chosen in it.
+  const field = event.target;
+  if (!field.matches(".mantine-Select-input")) return;
+  if (field.scrollWidth > field.clientWidth) field.title = field.value;
+  else field.removeAttribute("title");
+}
+
 function keepStop(list, stop, item) {
   for (const one of every(item, list)) {
     one.tabIndex = one === stop ? 0 : -1;
@@ -213,6 +227,8 @@ function listen() {
   here().addEventListener("click", pressed, true);
   here().addEventListener("click", hold, true);
   here().addEventListener("pointerover", letGo, true);
+  here().addEventListener("pointerover", tellWhole, true);
+  here().addEventListener("focusin", tellWhole);
   new MutationObserver(() => { timer ??= setTimeout(dress, WAIT_MS); }).observe(here(), {
     childList: true, subtree: true, attributes: true, attributeFilter: ["aria-hidden", "aria-selected", "aria-pressed"],
   });

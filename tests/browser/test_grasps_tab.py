@@ -73,7 +73,7 @@ def test_the_hand_goes_from_copy_to_copy_and_a_grasp_to_an_offset(screen, bench,
     T_side_copy = authored.grasp.T_part_tcp.actInv(grasp(bench, copy.name).grasp.T_part_tcp)
     assert np.allclose(T_side_copy.translation, (0.004, 0.0, 0.0), atol=1e-5)
     screen.press("Undo")
-    wait(lambda: "at an offset" not in str(bench.state.message), "the undo")
+    wait(lambda: str(bench.state.message).startswith("undone"), "the undo")
     assert screen.errors == []
 
 

@@ -14,13 +14,14 @@ from workbench.model.recipes.recipe import Recipe
 
 LEFT = Recipe(4, "left trays", strategy="left", threshold=0.05)
 SLOW = Recipe(12, "slow", speed=0.1)
+LONG = Recipe(7, "right trays of the second shift, with small cylinders of the new supplier only")
 
 
 @pytest.fixture
 def bench(robot, tmp_path):
     cell = read_cell("yumi")
     controller = robot.controller(cell.controller)
-    cell = replace(cell, recipes=(LEFT, SLOW), controller=controller)
+    cell = replace(cell, recipes=(LEFT, SLOW, LONG), controller=controller)
     bench = Bench(cell, Journal(tmp_path / "session"))
     yield bench
     bench.close()
@@ -57,3 +58,13 @@ def test_a_recipe_is_chosen_by_number_and_name_and_plans_follow_it(screen, bench
     expect(recipe).to_have_value("no recipe")
     expect(strategy).to_have_value("auto")
     assert [one for one in screen.errors if "favicon" not in one] == []
+
+
+def test_a_list_shows_the_whole_of_long_names(screen):
+    screen.page.get_by_role("combobox", name="Recipe").click()
+    option = screen.page.get_by_role("option", name=f"7 {LONG.name}")
+    option.wait_for()
+    screen.shoot("recipe-2-long")
+    inside, window = option.bounding_box(), screen.page.viewport_size
+    assert option.evaluate("one => one.scrollWidth <= one.clientWidth")
+    assert inside["x"] >= 0 and inside["x"] + inside["width"] <= window["width"]

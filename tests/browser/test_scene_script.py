@@ -23,6 +23,8 @@ SCENE = """
 <button id="other" hidden onclick="said.textContent += 'Go on '">Go on</button>
 <p id="said"></p>
 <div id="around"><button class="mantine-Button-root">Scan</button></div>
+<input class="mantine-Select-input" readonly value="left trays of the second shift"
+  style="width: 60px">
 <div><div id="told"></div><div id="rows" style="height: 90px; overflow-y: auto">
 <table class="wb-long-table"><tbody></tbody></table></div></div>
 <script>
@@ -94,6 +96,18 @@ def test_the_second_click_of_a_double_click_presses_no_other_button(stub):
     page.wait_for_timeout(600)
     scene.get_by_role("button", name="Go on").click()
     expect(scene.locator("#said")).to_have_text("Send Go on")
+
+
+def test_a_field_that_is_too_narrow_says_all_that_is_chosen_in_it(stub):
+    _, scene = stub
+    field = scene.locator(".mantine-Select-input")
+    field.hover()
+    expect(field).to_have_attribute("title", "left trays of the second shift")
+    field.evaluate("one => { one.style.width = '400px' }")
+    scene.locator("#said").evaluate("said => { said.textContent = 'here' }")
+    scene.locator("#said").hover()
+    field.hover()
+    expect(field).not_to_have_attribute("title", "left trays of the second shift")
 
 
 def test_the_text_of_a_button_is_away_from_its_press_until_the_pointer_has_left_it(stub):

@@ -49,6 +49,7 @@ def marked(panel) -> list[bool]:
 
 def test_the_first_of_the_parts_found_is_chosen(panel):
     assert marked(panel) == [True, False, False]
+    assert panel._visitor.own.now.part is panel._visitor.bench.state.detections[0]
 
 
 def test_a_choice_stays_with_its_part_when_somebody_else_vetoes_one_before_it(panel, bench, draw):

@@ -93,7 +93,8 @@ class FilmScene:
         label = f"{FILM}/part-{part.number + 1}/label"
         self._scene.remove_by_name(label)
         if part.kind:
-            words = f"part-{part.number + 1}" + (f": {part.kind}" if is_chosen else "")
+            number = part.number + 1
+            words = f"part-{number}: {part.kind}" if is_chosen else f"{number}"
             self._scene.add_label(
                 label,
                 words,

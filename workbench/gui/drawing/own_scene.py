@@ -7,7 +7,7 @@ import viser
 
 from workbench.gui.scene.contacts import draw_meets
 from workbench.gui.scene.drag_overlay import DrawnCarried, DrawnVerdicts
-from workbench.gui.scene.marks import draw_measured, draw_visited
+from workbench.gui.scene.marks import draw_chosen, draw_measured, draw_visited
 from workbench.gui.scene.robot import PLANNED, ROBOT_CHECKED, finger_name, moved_by, place
 from workbench.gui.shared.calibrating import draw_overlay
 from workbench.gui.shared.look import View
@@ -49,6 +49,9 @@ class OwnScene:
                 draw_measured(self._scene, new.own.measured)
             if is_first or old.own.dragged is not new.own.dragged:
                 self._verdicts.draw(new.own.dragged)
+            are_other_parts = is_first or old.state.detections is not new.state.detections
+            if are_other_parts or is_first or old.own.part is not new.own.part:
+                draw_chosen(self._scene, old, new)
             if is_first or old.own.carried is not new.own.carried:
                 self._carried.draw(new.own.carried)
             if is_first or old.visited is not new.visited:

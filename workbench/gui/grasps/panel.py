@@ -4,7 +4,6 @@ import logging
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
-import numpy as np
 import pinocchio as pin
 import viser
 
@@ -22,6 +21,7 @@ from workbench.gui.grasps.offset import GraspOffset
 from workbench.gui.grasps.part_upload import PartUpload
 from workbench.gui.grasps.pose import GraspPose
 from workbench.gui.grasps.stepping import CopySteps
+from workbench.gui.grasps.surface_keys import SurfaceKeys, seen_at
 from workbench.gui.grasps.views import MOST_ROWS, check_line, grasps_html, no_grasp
 from workbench.gui.help.groups import group
 from workbench.gui.scene.stage import GraspStage, nearest_entry, size_of
@@ -34,8 +34,7 @@ from workbench.model.messages.commands import GraspEditText
 from workbench.model.part import Entry, Grasp, Part, grasps_of
 from workbench.model.part_edits import grasp_of
 from workbench.planning.grasps.grasp_check import GraspCheck
-from workbench.planning.grasps.grasp_frames import PLAY, fitted_opening, frame_at, outward_normal
-from workbench.planning.grasps.part_rays import NOTHING, first_hits
+from workbench.planning.grasps.grasp_frames import PLAY, fitted_opening, frame_at
 
 log = logging.getLogger(__name__)
 
@@ -76,7 +75,9 @@ class GraspsPanel:
         self._table = gui.add_html("")
         self._line = gui.add_html("")
         self._add = gui.add_button(
-            "Add grasp", icon=viser.Icon.PLUS, hint="Then click on the surface of the part."
+            "Add grasp",
+            icon=viser.Icon.PLUS,
+            hint="Then click on the surface of the part, or move a point by the arrow keys.",
         )
         self._duplicate = gui.add_button("Duplicate", icon=viser.Icon.COPY, color="gray")
         self._delete = gui.add_button("Delete", icon=viser.Icon.TRASH, color="red")
@@ -87,6 +88,7 @@ class GraspsPanel:
             visible=False,
             hint="As a copy beside what somebody else made of it.",
         )
+        self._point = SurfaceKeys(visitor, self._stage, self._put, self._end_adding)
         self._steps = CopySteps(visitor, editing, self._on_step, lambda: self._stage.is_open)
         with group(gui, "Where the hand is"):
             self._pose = GraspPose(visitor, editing, self._moving)
@@ -151,6 +153,7 @@ class GraspsPanel:
         if self._stage.is_open:
             self._stage.close()
             self._stage.open(self._editing.part, self._on_click)
+            self._label_add()
             self._draw()
 
     def _draw(self) -> None:
@@ -279,8 +282,13 @@ class GraspsPanel:
         self._is_adding = not self._is_adding
         self._label_add()
 
+    def _end_adding(self) -> None:
+        self._is_adding = False
+        self._label_add()
+
     def _label_add(self) -> None:
         self._add.label = "Now click" if self._is_adding else "Add grasp"
+        self._point.show(self._editing.part if self._is_adding else None)
 
     def _on_click(self, origin: Floats, direction: Floats) -> None:
         """Somebody clicks: a grasp is put there, or the one whose mark is there is chosen."""
@@ -290,15 +298,13 @@ class GraspsPanel:
             if name:
                 self._editing.choose(entry=name)
             return
-        ray = direction / np.linalg.norm(direction)
-        distances, met = first_hits(part.mesh, origin[None], ray[None])
-        if met[0] == NOTHING:
-            return
-        self._is_adding = False
-        self._label_add()
-        self._add_at(origin + distances[0] * ray, outward_normal(part.mesh, int(met[0])))
+        met = seen_at(part.mesh, origin, origin + direction)
+        if met is not None:
+            self._put(*met)
 
-    def _add_at(self, point: Floats, normal: Floats) -> None:
+    def _put(self, point: Floats, normal: Floats) -> None:
+        """A grasp is wanted at a point (3,) [m] of the surface with this outward normal (3,)."""
+        self._end_adding()
         T = self._editing.with_checker(lambda checker: frame_at(checker, point, normal))
         fitted = self._editing.with_checker(lambda checker: fitted_opening(checker, T))
         low, high = self._editing.tool.stroke

@@ -1,5 +1,6 @@
 """What the page says about a part's grasps, as HTML; see `views` for how."""
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from datetime import datetime
@@ -28,6 +29,24 @@ MOST_ROWS = 40
 """Entries that can be listed; each has an unseen button."""
 
 MOST_SUGGESTIONS = 20
+
+POINT_KEYS = tuple(
+    shift + arrow
+    for shift in ("", "shift+")
+    for arrow in ("arrowleft", "arrowright", "arrowup", "arrowdown")
+) + ("enter", "escape")
+"""What is typed to move the marked point of a surface, to take it, and to end that."""
+
+POINT_HELP = (
+    "Click on the surface, or move the point by the arrow keys, with Shift in small steps. "
+    "Enter puts the grasp there, Escape ends."
+)
+
+POINT_TYPED = (
+    "const id=JSON.parse(this.dataset.keys)[(event.shiftKey?'shift+':'')+event.key.toLowerCase()];"
+    "if(id){event.preventDefault();event.stopPropagation();document.getElementById(id).click()}"
+)
+"""What a browser does with a key there: it presses the unseen button, and moves no camera."""
 
 HEADS = (
     ("", "", "Green: the tool can take the part so; red: it cannot"),
@@ -249,7 +268,7 @@ def versions_html(versions: Sequence[Version]) -> str:
 
 
 def _when(version: Version) -> str:
-    """When it was saved, as the page tells times; what somebody has written there stays."""
+    """When it was saved, as the page shows times; what somebody has written there stays."""
     try:
         return day_and_time(datetime.fromisoformat(version.at).timestamp())
     except (ValueError, OverflowError):
@@ -262,3 +281,21 @@ def texts_html(texts: Sequence[Message | str], otherwise: str, words: Words = IN
         return line(otherwise, kind="hint")
     items = "".join(f"<li>{escape(words.render(text))}</li>" for text in texts[:MOST_ROWS])
     return f'<div class="wb-tree"><ul>{items}</ul></div>'
+
+
+def point_box(buttons: Mapping[str, str]) -> str:
+    """What takes the keys for a point of the surface, and gets the focus as it appears.
+
+    Args:
+        buttons: the id of the unseen button by each of `POINT_KEYS`.
+    """
+    return (
+        f'<div class="wb-point" tabindex="0" role="application" data-focus '
+        f'data-keys="{escape(json.dumps(dict(buttons)))}" onkeydown="{POINT_TYPED}" '
+        f'aria-label="{POINT_HELP}">{POINT_HELP}</div>'
+    )
+
+
+def point_line(text: str) -> str:
+    """Where the marked point is; read out as it changes."""
+    return f'<div class="wb-said wb-line wb-result wb-span3">{escape(text)}</div>'

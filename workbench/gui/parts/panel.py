@@ -187,6 +187,8 @@ class PartsPanel:
 
     def _draw(self, found: tuple[Detection, ...]) -> None:
         chosen, visitor = self._chosen, self._visitor
+        if visitor.own.now.part is not chosen:
+            visitor.own.change(part=chosen)
         if found:
             self._table.content = parts_html(
                 found, _place(found, chosen), self._rows, self._visitor.words

@@ -1,15 +1,120 @@
-"""Marks in the scene that people ask for: an arm's reach, and a distance."""
+"""Marks in the scene: the pins of parts found, an arm's reach, a distance."""
+
+from collections.abc import Sequence
 
 import numpy as np
+import pinocchio as pin
 import viser
 
 from workbench.gui.scene.contacts import add_body, draw_meets
-from workbench.gui.shared.colours import BAD, BRAND, BUSY, GOOD, rgb_of
+from workbench.gui.scene.robot import quaternion
+from workbench.gui.shared.colours import BAD, BRAND, BUSY, GOOD, part_colour, rgb_of
+from workbench.gui.shared.look import View
 from workbench.gui.shared.own import Visited
 from workbench.gui.shared.solids import Colour
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
-from workbench.model.scan import RejectedHypothesis
+from workbench.model.scan import Detection, RejectedHypothesis
+
+ABOVE, APART, AROUND = 0.012, 0.018, 0.035
+"""[m] How far a pin ends above its part.  The ends of pins that stand nearer than `AROUND` differ
+in height by `APART` at least."""
+
+HEAD = 0.003
+"""[m] Radius of a pin's head."""
+
+
+def pin_heights(tops: Floats) -> Floats:
+    """Where the pins of parts end, so that labels of near parts do not cover each other.
+
+    Args:
+        tops: the highest point of each part in the world, above its middle, (n, 3) [m].
+
+    Returns:
+        z (n,) [m].
+    """
+    heights = np.zeros(len(tops))
+    ended: list[int] = []
+    for number in np.argsort(tops[:, 2], kind="stable").tolist():
+        away = np.linalg.norm(tops[ended, :2] - tops[number, :2], axis=1)
+        z = tops[number, 2] + ABOVE
+        for other in np.sort(heights[ended][away < AROUND]):
+            if abs(z - other) < APART:
+                z = other + APART
+        heights[number] = z
+        ended.append(number)
+    return heights
+
+
+class DrawnPins:
+    """The pins of the parts found; they stand upright as parts turn.
+
+    Concurrency: the renderer's thread.
+    """
+
+    def __init__(self, scene: viser.SceneApi):
+        """None is drawn yet."""
+        self._scene = scene
+        self._pins: list[viser.FrameHandle] = []
+
+    def add(self, cell: Cell, detections: Sequence[Detection]) -> None:
+        """Draw a pin below the node of each part, which has taken away the one before."""
+        self._pins = []
+        for number, height in enumerate(pins_of(cell, detections)):
+            name = f"/parts/part-{number + 1}/pin"
+            head = np.array([0.0, 0.0, height])
+            colour = rgb_of(part_colour(number))
+            self._pins.append(self._scene.add_frame(name, show_axes=False))
+            add_lines(self._scene, f"{name}/stem", np.array([[np.zeros(3), head]]), colour, 2.5)
+            self._scene.add_icosphere(f"{name}/head", HEAD, colour, position=tuple(head.tolist()))
+            label_pin(self._scene, number, height, is_chosen=False)
+
+    def turn(self, Ts_world_part: Sequence[pin.SE3]) -> None:
+        """Parts stand there now."""
+        for node, T in zip(self._pins, Ts_world_part, strict=True):
+            node.wxyz = quaternion(T.inverse())
+
+
+def label_pin(scene: viser.SceneApi, number: int, height: float, *, is_chosen: bool) -> None:
+    """The number of a part above its pin; that of the chosen one is larger, and over all else."""
+    scene.add_label(
+        label_name(number),
+        f"{number + 1}",
+        font_screen_scale=1.5 if is_chosen else 1.0,
+        anchor="bottom-center",
+        depth_test=not is_chosen,
+        position=(0.0, 0.0, height + HEAD),
+    )
+
+
+def label_name(number: int) -> str:
+    """The node of a pin's label."""
+    return f"/parts/part-{number + 1}/pin/label"
+
+
+def draw_chosen(scene: viser.SceneApi, old: View | None, new: View) -> None:
+    """In the scene of one browser: the label of the part found that was chosen there."""
+    was, now = _chosen(old), _chosen(new)
+    if was is not None:
+        scene.remove_by_name(label_name(was))
+    if now is not None:
+        height = pins_of(new.state.cell, new.state.detections or ())[now]
+        label_pin(scene, now, height, is_chosen=True)
+
+
+def _chosen(view: View | None) -> int | None:
+    found = () if view is None else view.state.detections or ()
+    return next((n for n, one in enumerate(found) if view and one is view.own.part), None)
+
+
+def pins_of(cell: Cell, detections: Sequence[Detection]) -> Floats:
+    """How high above the origin of its part each pin ends, (n,) [m]."""
+    middles = np.array([one.T_world_part.translation for one in detections]).reshape(-1, 3)
+    above = [
+        (cell.part(one.part).mesh.points @ one.T_world_part.rotation[2]).max() for one in detections
+    ]
+    tops = middles + np.outer(above, [0.0, 0.0, 1.0])
+    return pin_heights(tops) - middles[:, 2]
 
 
 def add_lines(

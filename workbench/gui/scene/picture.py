@@ -10,7 +10,7 @@ from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.candidate import DrawnCandidates
 from workbench.gui.scene.cloud import PaintedCloud, in_short, painted_cloud, shown_colours
 from workbench.gui.scene.dragged_bodies import DrawnHeld, DrawnLost
-from workbench.gui.scene.marks import add_lines, draw_reach, draw_rejected
+from workbench.gui.scene.marks import DrawnPins, add_lines, draw_reach, draw_rejected
 from workbench.gui.scene.robot import PLANNED, ROBOT, ROBOT_CHECKED, DrawnRobot, place
 from workbench.gui.scene.searches import draw_search
 from workbench.gui.scene.stations import DrawnBeside
@@ -97,6 +97,7 @@ class ScenePicture:
             opacity=None if self._planned_is_solid else SEE_THROUGH,
             is_visible=False,
         )
+        self._pins = DrawnPins(scene)
         self._candidates = DrawnCandidates(scene, cell, self._kinematics)
         self._held, self._lost = DrawnHeld(scene), DrawnLost(scene)
         self._beside = DrawnBeside(scene)
@@ -235,6 +236,7 @@ class ScenePicture:
         self._parts = [
             self._added_part(number, detection) for number, detection in enumerate(detections)
         ]
+        self._pins.add(self._cell, detections)
 
     def _added_part(self, number: int, detection: Detection) -> viser.FrameHandle:
         name = f"/parts/part-{number + 1}"
@@ -243,13 +245,6 @@ class ScenePicture:
         points, triangles = with_hard_edges(triangles_of(mesh))
         self._scene.add_mesh_simple(
             f"{name}/mesh", points, triangles, color=rgb_of(part_colour(number)), opacity=0.9
-        )
-        self._scene.add_label(
-            f"{name}/label",
-            f"part-{number + 1}",
-            font_screen_scale=0.8,
-            anchor="bottom-center",
-            position=(0.0, 0.0, float(np.abs(points).max()) * 0.4),
         )
         return node
 
@@ -298,6 +293,7 @@ class ScenePicture:
         self._Ts_world_part = poses
         for node, T in zip(self._parts, poses, strict=True):
             place(node, T)
+        self._pins.turn(poses)
 
     def _pose_robot(self, robot: DrawnRobot, stands: Mapping[str, ArmMoment]) -> None:
         links = self._kinematics.link_poses(joint_values(self._cell, stands))

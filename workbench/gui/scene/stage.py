@@ -31,7 +31,7 @@ STEM = 0.12
 """Length of the mark of a grasp by the size of the part."""
 
 Pressed = Callable[[Floats, Floats], None]
-"""Told the origin (3,) [m] and direction (3,) of a ray in the part's frame."""
+"""Gets the origin (3,) [m] and direction (3,) of a ray in the part's frame."""
 
 
 class GraspStage:
@@ -132,6 +132,16 @@ class GraspStage:
         """Show no tool."""
         self._scene.remove_by_name("/stage/tool")
         self._hand, self._tool = None, ""
+
+    def mark(self, point: Floats | None) -> None:
+        """Mark a point (3,) [m] of the surface; None: no point."""
+        if point is None:
+            self._scene.remove_by_name("/stage/point")
+            return
+        x, y, z = point.tolist()
+        self._scene.add_icosphere(
+            "/stage/point", self._size * 0.025, rgb_of(BRAND), position=(x, y, z)
+        )
 
     def show_sphere(self, directions: Floats, colours: Any) -> None:
         """Show something about every unit direction (n, 3) as seen from around the part."""

@@ -12,6 +12,7 @@ from workbench.app.emptying.film import Film
 from workbench.app.picking.glance import Glance
 from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
+from workbench.model.scan import Detection
 from workbench.proof.claims.spot import Spot
 
 
@@ -75,7 +76,8 @@ class Own:
     were clicked on, up to two; `visited` is the place of the plan that is viewed; `dragged` is
     what is shown of the candidates while something is dragged, `carried` what of the scene follows
     the hand that drags; `thing` is what of the cell was
-    chosen to be moved, empty where a candidate was chosen since.
+    chosen to be moved, empty where a candidate was chosen since; `part` is the part found that was
+    chosen.
     """
 
     jog: Mapping[str, Floats] | None = None
@@ -87,6 +89,7 @@ class Own:
     dragged: Dragged | None = None
     carried: Carried | None = None
     thing: str = ""
+    part: Detection | None = None
 
     @property
     def hides_robot(self) -> bool:
