@@ -32,7 +32,7 @@ def test_a_row_counts_what_is_told():
     ]  # fmt: skip
     (row,) = wrong_cad_rows(scenes)
     assert (row["right"], row["found"], row["missed"], row["clear"]) == (2, 4, 2, 4)
-    assert (row["told"], row["off"], row["piles"]) == (1, 2, 2)
+    assert (row["reported"], row["off"], row["piles"]) == (1, 2, 2)
     assert row["stated"] == pytest.approx(0.9)
     assert row["calibration_error"] == pytest.approx(0.4)
 

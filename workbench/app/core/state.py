@@ -102,7 +102,7 @@ class Avoided:
     """Where a pick has failed: a part of that kind there is left alone for a while.
 
     `p_bin` (3,) [m] in the frame of the bin of name `bin`; it ends at `until` [s since the epoch],
-    or after so many more `scans` of that bin, whichever comes first.
+    or earlier, when `scans` more scans of that bin were taken.
     """
 
     part: str

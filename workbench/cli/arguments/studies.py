@@ -22,6 +22,16 @@ Noise = Literal[
 """Builds of scanner."""
 
 
+EVERY_BUILD: tuple[Noise, ...] = (
+    "fine",
+    "rough",
+    "structured_light",
+    "stereo",
+    "time_of_flight",
+    "laser_line",
+)
+
+
 @dataclass(frozen=True, slots=True)
 class StudyLocalization:
     """Find the parts of seeded piles in simulated scans and compare with where they lie.
@@ -290,14 +300,7 @@ class StudyAbsent:
     """How many scans of each situation."""
     parts: tuple[str, ...] = ("keyed_cylinder", "bracket", "bolt", "puck", "spacer")
     """Names under parts/, or paths; each is searched for, and lies where another is searched."""
-    noise: tuple[Noise, ...] = (
-        "fine",
-        "rough",
-        "structured_light",
-        "stereo",
-        "time_of_flight",
-        "laser_line",
-    )
+    noise: tuple[Noise, ...] = EVERY_BUILD
     """Builds of scanner, as in study localization."""
     seed: FirstSeed = 0
     workers: int = 1
@@ -314,14 +317,7 @@ class StudyWrongCad:
     """How many piles of eight for each part, build and error."""
     parts: tuple[str, ...] = ("keyed_cylinder", "bracket", "bolt")
     """Names under parts/, or paths."""
-    noise: tuple[Noise, ...] = (
-        "fine",
-        "rough",
-        "structured_light",
-        "stereo",
-        "time_of_flight",
-        "laser_line",
-    )
+    noise: tuple[Noise, ...] = EVERY_BUILD
     """Builds of scanner, as in study localization."""
     scales: tuple[float, ...] = (1.0, 1.02, 1.05, 1.1)
     """The CAD files are this many times as large as what lies there."""

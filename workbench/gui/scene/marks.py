@@ -104,14 +104,17 @@ def draw_chosen(scene: viser.SceneApi, old: View | None, new: View) -> None:
 
 def _chosen(view: View | None) -> int | None:
     found = () if view is None else view.state.detections or ()
-    return next((n for n, one in enumerate(found) if view and one is view.own.part), None)
+    return next((n for n, part in enumerate(found) if view and part is view.own.part), None)
 
 
 def pins_of(cell: Cell, detections: Sequence[Detection]) -> Floats:
     """How high above the origin of its part each pin ends, (n,) [m]."""
-    middles = np.array([one.T_world_part.translation for one in detections]).reshape(-1, 3)
+    middles = np.array([detection.T_world_part.translation for detection in detections]).reshape(
+        -1, 3
+    )
     above = [
-        (cell.part(one.part).mesh.points @ one.T_world_part.rotation[2]).max() for one in detections
+        (cell.part(detection.part).mesh.points @ detection.T_world_part.rotation[2]).max()
+        for detection in detections
     ]
     tops = middles + np.outer(above, [0.0, 0.0, 1.0])
     return pin_heights(tops) - middles[:, 2]

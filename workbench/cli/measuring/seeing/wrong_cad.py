@@ -39,7 +39,16 @@ def study_wrong_cad(typed: StudyWrongCad) -> int:
     if typed.json:
         print_json({"scenes": [asdict(scene) for scene in scenes], "rows": rows})
         return SUCCESS
-    columns = ("CAD", "noise", "missed", "right", "stated", "median mm", "scale told", "called off")
+    columns = (
+        "CAD",
+        "noise",
+        "missed",
+        "right",
+        "stated",
+        "median mm",
+        "scale reported",
+        "called off",
+    )
     print_table(
         f"CAD files of a wrong size, {typed.scenes} piles of each part a row",
         columns,
@@ -58,6 +67,6 @@ def _words(row: dict[str, Any]) -> tuple[str, ...]:
         f"{row['right']} of {row['found']}",
         "" if row["stated"] is None else f"{row['stated']:.2f}",
         "" if distance is None else f"{distance['median'] * 1000:.2f}",
-        f"{row['told']} of {row['piles']}",
+        f"{row['reported']} of {row['piles']}",
         str(row["off"]),
     )

@@ -76,7 +76,7 @@ def moved_distance(body: Body, bed: Body, step: Floats, within: float = np.inf) 
 
 
 def find_nearing(body: Body, bed: Body, steps: Floats, begins: float, keeps: float) -> float | None:
-    """The first distance [m] below what a body shall keep to another one; None where it keeps it.
+    """The first distance [m] smaller than a body must keep to another body; None: there is none.
 
     Args:
         body: that moves.
