@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from shipped import without_search
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
@@ -41,7 +42,8 @@ def cell_of(name: str) -> Cell:
     cell_name, kinds, _ = SCENES[name]
     cell = read_cell(cell_name)
     parts = tuple(read_part(kind) for kind in dict.fromkeys(kinds))
-    return replace(cell, parts=parts, policy=replace(cell.policy, seconds=SECONDS))
+    cell = replace(cell, parts=parts, policy=replace(cell.policy, seconds=SECONDS))
+    return without_search(cell)
 
 
 def planned(cell: Cell, detections: tuple[Detection, ...], seed: int) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from shipped import without_search
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
@@ -24,7 +25,7 @@ def detections(cell: Cell) -> tuple[Detection, ...]:
 
 @pytest.fixture(scope="session")
 def cell() -> Cell:
-    return read_cell("yumi")
+    return without_search(read_cell("yumi"))
 
 
 @pytest.fixture

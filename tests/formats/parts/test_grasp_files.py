@@ -154,7 +154,7 @@ def test_changes_are_told_in_words():
         offsets=side.offsets[:2],
     )
     other = replace(side.grasp, name="top")
-    new = GraspLibrary((moved, other), (GraspPair("side", "top", True),))
+    new = replace(old, entries=(moved, other), pairs=(GraspPair("side", "top", True),))
     assert tuple(map(str, changes_in_words(old, new))) == (
         "side: moved by 2.00 mm, turned by 5.00 deg, disabled, opening 40 → 44 mm, "
         "arms as usual → left, pattern changed, 15 → 10 grasps",
@@ -181,7 +181,7 @@ def test_versions_are_kept_with_who_and_why(folder):
     save_grasps(folder / "grasps.toml", part.library)
     side = part.library.entries[0]
     wider = replace(side, grasp=replace(side.grasp, opening=0.044))
-    new = replace(part, library=GraspLibrary((wider,)), symmetry=Symmetry(fold=3))
+    new = replace(part, library=replace(part.library, entries=(wider,)), symmetry=Symmetry(fold=3))
     write_draft(folder, new.library)
     assert digest_of(draft_of(folder)) == digest_of(as_written(new.library))
     save_part(folder, part, new, actor="ada", at=0.0, remark="wider")

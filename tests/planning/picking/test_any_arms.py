@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shipped import without_search
 from three_arms import NAMES, write_cell
 
 from workbench.app.picking.pipeline import plan_pick
@@ -51,7 +52,8 @@ def blocked(around):
     assert is_solution(residuals).all()
     home = around.controller.motion.rounded(answers[0])
     quick = replace(around.policy, as_needed=False)
-    return replace(around, arms=(replace(arm, home=home), *around.arms[1:]), policy=quick)
+    arms = (replace(arm, home=home), *around.arms[1:])
+    return without_search(replace(around, arms=arms, policy=quick))
 
 
 @pytest.mark.parametrize("strategy", ["auto", "manipulator"])

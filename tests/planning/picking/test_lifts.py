@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shipped import without_search
 
 from workbench.app.picking.judging import judge
 from workbench.app.picking.pipeline import plan_pick
@@ -23,7 +24,7 @@ from workbench.proof.claims.prove import prove
 
 @pytest.fixture(scope="module")
 def cell():
-    return read_cell("yumi")
+    return without_search(read_cell("yumi"))
 
 
 def by(cell: Cell, **policy) -> Cell:

@@ -191,7 +191,8 @@ def test_margins_at_their_ends_give_a_plan_or_a_verdict(margin):
 def test_a_part_where_none_can_be_gives_verdicts(place):
     stuck = Detection(PART.name, pose_from_rpy(FLOOR + place, (np.pi / 2, 0, 0.1)))
     result = plan_pick(CELL, (stuck,), "test")
-    assert len(result.candidates) == 30
+    by_library = [each for each in result.candidates if each.grasp.name.startswith("side-")]
+    assert len(by_library) == 30
     assert result.plan is None or result.proof.holds
 
 
