@@ -1,13 +1,13 @@
 """A robot as a tree of links and joints, whatever file it came from, and a scanner on its arm."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import Shared
+from workbench.model.digest import LATER, Shared
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Solid, copy_pose, frozen, put
 
@@ -186,10 +186,16 @@ class AxisMapping:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanPosture:
-    """A posture of the arm from which its scanner scans: `q` (n,) [rad, m], chain order."""
+    """A posture of the arm from which its scanner scans: `q` (n,) [rad, m], chain order.
+
+    `bin` names the only bin that is scanned from there; empty: any.  Several views of a cell have
+    numbers from 1 on.
+    """
 
     name: str
     q: Floats
+    bin: str = field(default_factory=str, metadata=LATER)
+    number: int = field(default_factory=int, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, q=frozen(self.q))
@@ -205,9 +211,9 @@ class ArmScanner:
 
     `flange` and `joints` are those of the arm.
     `T_flange_scanner` is the pose of the camera's frame.  `housing` are solids in the flange's
-    frame: scanner, bracket, plug.  The arm waits at the `view`, where every plan begins and ends.
-    `home` (n,) [rad, m] is the arm's `home_deg` in the cell file, from where the arm goes to the
-    view and back.
+    frame: scanner, bracket, plug.  The arm waits at the `view`, where every plan begins and ends;
+    it may be exchanged for one of `other_views` (`derived.by_view`).  `home` (n,) [rad, m] is the
+    arm's `home_deg` in the cell file, from where the arm goes to a view and back.
     """
 
     arm: str
@@ -217,9 +223,15 @@ class ArmScanner:
     view: ScanPosture
     home: Floats
     housing: tuple[Solid, ...] = ()
+    other_views: tuple[ScanPosture, ...] = field(default_factory=tuple, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_flange_scanner=copy_pose(self.T_flange_scanner), home=frozen(self.home))
+
+    @property
+    def views(self) -> tuple[ScanPosture, ...]:
+        """All of them, in the order of the cell file."""
+        return tuple(sorted((self.view, *self.other_views), key=lambda view: view.number))
 
     @property
     def label(self) -> str:
@@ -231,11 +243,19 @@ class ArmScanner:
         """How far [m] the farthest point of the housing gets from the flange, at most."""
         return max((solid.reach for solid in self.housing), default=0.0)
 
+    def start_of(self, name: str) -> Floats | None:
+        """Where (n,) [rad, m] a path to the view begins: at `HOME` or another view; else None."""
+        if name == HOME:
+            return self.home
+        return next((view.q for view in self.other_views if view.name == name), None)
+
     def leads_home(self, path: Floats) -> bool:
-        """Whether a path (m, n) [rad, m] between home and view leads home, by where it begins."""
-        start = np.asarray(path)[0]
-        at_view, at_home = (np.abs(start - np.asarray(q)).max() for q in (self.view.q, self.home))
-        return bool(at_view < at_home)
+        """Whether a path (m, n) [rad, m] leads from the view home, by where it begins and ends."""
+        begins, ends = np.asarray(path)[[0, -1]]
+        at_view, at_home = np.asarray(self.view.q), np.asarray(self.home)
+        forth = np.abs(begins - at_home).max() + np.abs(ends - at_view).max()
+        back = np.abs(begins - at_view).max() + np.abs(ends - at_home).max()
+        return bool(back < forth)
 
     def T_world_scanner(self, T_world_robot: pin.SE3, robot: Robot, q: Floats) -> pin.SE3:
         """Where the scanner is while its arm stands at `q` (n,) [rad, m], chain order.

@@ -97,7 +97,7 @@ def test_a_way_that_is_walled_up_is_refused(cell: Cell) -> None:
 def test_a_scanner_that_stands_and_another_view_are_refused(cell: Cell) -> None:
     with pytest.raises(InputError, match="hangs on no arm"):
         plan_view(read_cell("yumi"))
-    with pytest.raises(InputError, match="no view 'deep'; its view is bin"):
+    with pytest.raises(InputError, match="no view 'deep'; it has bin"):
         plan_view(cell, view="deep")
 
 

@@ -9,16 +9,21 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from arm_scanner_cell import with_lower_view
 
 from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
+from workbench.model.derived.by_view import view_name, with_view
 from workbench.model.errors import FileError
 from workbench.planning.kinematics.robot import Kinematics
 
 SHIPPED = find("robots", "yumi")
 JOINTS = "joints_deg = [-90.3, -33.9, 23.4, 81.2, 109.7, 17.7, 36]"
+
+SECOND = f'[[scanner.on_arm.view]]\nname = "bin"\n{JOINTS}\n\n'
+"""A view of the same name as the one in the file."""
 
 Spoil = Callable[[str, str], Path]
 
@@ -81,6 +86,8 @@ def test_a_view_is_stated_by_the_pose_of_the_scanner_as_well(spoil: Spoil) -> No
         (JOINTS, JOINTS.replace("-33.9", "60"), "60 for axis 2 is outside -143.5 to 43.5"),
         (JOINTS, "position_mm = [1500, 0, 480]", "the view is out of reach of arm left, "),
         ('name = "bin"', 'name = "home"', "a view cannot be called home: that is where"),
+        ('name = "bin"', 'name = "bin"\nbin = "left"', "is not one of none: the cell has a single"),
+        ("[scanner.on_arm.view]", f"{SECOND}[[scanner.on_arm.view]]", "'bin' is there 2 times"),
         ('name = "camera"', 'name = "palm"', "'palm' is a solid of tool smart_gripper"),
         ('name = "camera"', 'name = "bracket"', "'bracket' is there 2 times"),
     ],
@@ -104,6 +111,34 @@ def test_a_written_cell_is_read_again(tmp_path: Path) -> None:
     assert mine.T_flange_scanner.isApprox(other.T_flange_scanner, 1e-6)
     assert [solid.name for solid in other.housing] == ["camera", "bracket"]
     assert again.scanner.T_world_scanner.isApprox(cell.scanner.T_world_scanner, 1e-5)
+
+
+def test_several_views_are_in_order_and_written_and_read_again(tmp_path: Path) -> None:
+    cell = with_lower_view(read_cell(SHIPPED / "on_arm.toml"))
+    path = write_cell(tmp_path / "made", cell, {})
+    shutil.copytree(find("parts", "keyed_cylinder"), path.parent / "keyed_cylinder")
+    again = read_cell(path)
+    carrier, read = cell.scanner.on_arm, again.scanner.on_arm
+    assert carrier is not None and read is not None
+    assert [(view.name, view.number) for view in read.views] == [("bin", 1), ("low", 2)]
+    assert np.allclose(read.views[1].q, carrier.views[1].q, atol=1e-6)
+    low = with_view(again, "low")
+    assert np.array_equal(low.arm("left").home, read.views[1].q)
+    assert view_name(read_cell(path)) == "bin"
+
+
+def test_each_bin_has_to_be_seen(spoil: Spoil) -> None:
+    two = (
+        '[[bin]]\nname = "right"\nposition_mm = [410, 0, 5]\nsize_mm = [200, 300, 80]\n\n'
+        '[[bin]]\nname = "left"\nposition_mm = [410, 700, 5]\nsize_mm = [200, 300, 80]\n'
+    )
+    path = spoil('name = "bin"', 'name = "bin"\nbin = "left"')
+    text = path.read_text(encoding="utf-8")
+    start = text.index("[bin]")
+    end = text.index("\n\n", start)
+    path.write_text(text[:start] + two + text[end:], encoding="utf-8")
+    with pytest.raises(FileError, match="no view sees bin 'right'"):
+        read_cell(path)
 
 
 @pytest.mark.parametrize("turn", ["[0, 90, 0]", "[30, 90, -50]", "[180, -90, 20]"])

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
-from arm_scanner_cell import on_arm_cell
+from arm_scanner_cell import on_arm_cell, with_lower_view
 from bending import with_leg
 
 from workbench.app.viewing.view_plan import plan_view
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
+from workbench.model.derived.by_view import with_view as chosen_view
 from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
 from workbench.model.load import Loads
 from workbench.model.plan import Plan, Strategy
@@ -92,6 +93,25 @@ def test_the_way_back_begins_at_the_view_of_the_cell_and_ends_at_its_home(cell: 
     assert back is not None and objections(cell, back) == ""
     for row in (0, -1):
         assert "does not start where the arm stands" in objections(cell, ended(back, off, row))
+
+
+def test_a_path_from_another_view_ends_at_the_view_that_is_chosen(cell: Cell) -> None:
+    both = with_lower_view(cell)
+    low = chosen_view(both, "low")
+    plan = plan_view(low, start="bin").plan
+    assert plan is not None and objections(low, plan) == ""
+    start = np.asarray(plan.arm(ARM).leg("view").q)[0]
+    assert np.abs(start - both.arm(ARM).home).max() < 1e-4
+    off = np.deg2rad(0.02)
+    for row in (0, -1):
+        assert "does not start where the arm stands" in objections(low, ended(plan, off, row))
+    # The same path in the cell by its first view: it leads from there to a view that is not chosen.
+    assert "does not start where the arm stands" in objections(both, on(both, plan))
+    # A single view knows no other one to begin at.
+    carrier = low.scanner.on_arm
+    assert carrier is not None
+    alone = replace(low, scanner=replace(low.scanner, on_arm=replace(carrier, other_views=())))
+    assert "does not start where the arm stands" in objections(alone, on(alone, plan))
 
 
 def test_a_path_that_ends_where_it_begins_is_refused(cell: Cell, plan: Plan) -> None:

@@ -3,7 +3,16 @@
 from types import ModuleType
 
 from workbench.app.core import control, session
-from workbench.app.core.cell import bins, changes, emptying, kits, making, part_edits, recipes
+from workbench.app.core.cell import (
+    bins,
+    changes,
+    emptying,
+    kits,
+    making,
+    part_edits,
+    recipes,
+    views,
+)
 from workbench.app.core.command import Command
 from workbench.app.core.cycle import (
     ahead,
@@ -36,6 +45,7 @@ SUBJECTS = (
     changes,
     recipes,
     bins,
+    views,
     kits,
     part_edits,
     making,

@@ -17,10 +17,12 @@ from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.pile_check import kinds_in_turn
 from workbench.app.picking.row import plan_row
 from workbench.app.picking.sightlines import seconds_seen, sees_from
+from workbench.app.viewing.view_plan import plan_view
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
 from workbench.model.derived.assembling import assembled_kinds
 from workbench.model.derived.by_recipe import kit_of, wanted_parts
+from workbench.model.derived.by_view import by_each_view, view_name
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import LeftText
@@ -128,6 +130,7 @@ def empty_pile(
             refusal = result.verdict if result is not None and has_pick else None
             # What is left alone for a while gets its turn before this counts as the end.
             idle += not avoided
+            cell = _from_next_view(cell, tally, seed=seed)
             continue
         idle = 0
         tally.cycles += 1
@@ -227,6 +230,16 @@ def fallen(plain: Cell, cell: Cell, task: PileTask) -> tuple[Detection, ...]:
     return tuple(
         replace(detection, T_world_part=step * detection.T_world_part) for detection in pile
     )
+
+
+def _from_next_view(cell: Cell, tally: _Tally, *, seed: int) -> Cell:
+    """The cell by the next view to which its arm can bring the scanner, where it has several."""
+    for following in by_each_view(cell)[1:]:
+        found = plan_view(following, start=view_name(cell), seed=seed)
+        if found.plan is not None and found.proof is not None and found.proof.holds:
+            tally.motion += found.plan.cycle_seconds
+            return following
+    return cell
 
 
 def _look_and_plan(

@@ -145,9 +145,14 @@ def view(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> PlanResult:
     """The path to the view and its proof; parts that were `placed` are in the way."""
-    placed = boxes_around(cell, arguments["placed"])
-    seed = arguments["seed"]
-    return plan_view(cell, view=arguments["view"], placed=placed, seed=seed, report=report)
+    return plan_view(
+        cell,
+        view=arguments["view"],
+        start=arguments["start"],
+        placed=boxes_around(cell, arguments["placed"]),
+        seed=arguments["seed"],
+        report=report,
+    )
 
 
 def glance(

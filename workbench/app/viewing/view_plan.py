@@ -6,6 +6,8 @@ from workbench.app.core.cycle.arm_scanner import view_named
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
+from workbench.model.errors import CommandRefused
+from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.work import ProgressText
 from workbench.model.plan import PlanResult
 from workbench.model.robot import HOME
@@ -22,31 +24,37 @@ def plan_view(
     cell: Cell,
     *,
     view: str = "",
+    start: str = HOME,
     placed: Sequence[Obstacle] = (),
     seed: int = 0,
     report: Report = silent,
 ) -> PlanResult:
-    """Plan how an arm takes its scanner from the arm's home to the view, or back, and prove it.
+    """Plan how an arm takes its scanner to the chosen view, or home from there, and prove it.
 
     No scan shows the bin yet: it counts as full (`proof.claims.scene.unseen_bin`).
 
     Args:
         cell: whose scanner an arm carries.
         view: the name of the view; empty: that of the cell; `HOME`: from the view to the home.
+        start: where a path to the view begins: at `HOME` or another view.
         placed: parts that were put down, as obstacles.
         seed: of everything random.
         report: progress.
 
     Raises:
-        CommandRefused: the scanner stands, or has no view of that name.
+        CommandRefused: the scanner stands, or one of these names is none of its views.
     """
     carrier = view_named(cell, view)
     scene = Scene(digest_of(()), (), (unseen_bin(cell), *placed))
     world, began = World(cell, (), scene.obstacles), working_time()
     world.deadline = processor_time() + cell.policy.seconds
     report(0.1, ProgressText.MOTION())
-    digest, is_back = scene.scan_digest, view == HOME
-    found = route_view(world, carrier, scan_digest=digest, seed=seed, is_back=is_back)
+    begin = carrier.start_of(start)
+    if begin is None:
+        known = [HOME, *(other.name for other in carrier.other_views)]
+        raise CommandRefused(Refusal.OTHER_START(start=f"{start!r:.60}", known=known))
+    between = (carrier.view.q, carrier.home) if view == HOME else (begin, carrier.view.q)
+    found = route_view(world, carrier.arm, between, scan_digest=scene.scan_digest, seed=seed)
     routed = working_time()
     if isinstance(found, Verdict):
         plan, proof, verdict = None, None, found

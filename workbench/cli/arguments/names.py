@@ -33,10 +33,10 @@ PartOfPoses = Annotated[
     arg(help="What the poses of a HALCON file are of, when the cell has several parts."),
 ]
 ViewName = Annotated[
-    Maybe[str],
+    str,
     arg(
-        help="Name of the view to which an arm takes its scanner, or home: back from there; of all "
-        "else --seed counts."
+        help="Name of the view from which the scanner on an arm scans; the first of the bin when "
+        "not given."
     ),
 ]
 Seed = Annotated[int, arg(help="Seed of everything random.")]

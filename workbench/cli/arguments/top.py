@@ -83,6 +83,7 @@ class ScanArguments:
     """JSON file to write the true poses to."""
     recipe: RecipeNumber = 0
     bin: BinName = ""
+    view: ViewName = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +100,7 @@ class Localize:
     seed: Seed = 0
     recipe: RecipeNumber = 0
     bin: BinName = ""
+    view: ViewName = ""
     detail: float = 1.0
     """How fine the scan is searched, 0.3 to 2; finer sees smaller features and takes longer."""
     least_score: float = 0.0
@@ -159,7 +161,11 @@ class PlanArguments:
     """JSON file of the plan to write."""
     poses: Maybe[Path] = None
     """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
-    view: ViewName = None
+    view: Maybe[str] = None
+    """Name of the view from which the scanner on an arm scans; without --poses the path there is
+    planned, or with the word home the path back."""
+    start: str = "home"
+    """Where the path to --view begins: home, or the name of another view."""
     scan: Maybe[Path] = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is kept clear of."""
     strategy: Maybe[str] = None

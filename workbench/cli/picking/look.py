@@ -35,7 +35,7 @@ def scan(typed: arguments.ScanArguments) -> int:
     """Write a simulated scan and, when asked for, where the parts truly are."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     check_whole("--parts", typed.parts, 1, MOST_PARTS)
-    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin)
+    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin, typed.view)
     with progress("scan") as report:
         report(0.1, "parts fall into the bin")
         truth = pile_of(cell, typed.part, typed.parts, seed=typed.seed)
@@ -54,7 +54,7 @@ def localize(typed: arguments.Localize) -> int:
     check_number("--detail", typed.detail, *DETAIL)
     check_number("--least-score", typed.least_score, 0.0, 1.0)
     overrides = SearchOverrides(typed.detail, typed.least_score)
-    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin)
+    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin, typed.view)
     sizes = {part.name: 1.0 for part in cell.parts} | sizes_of(cell, typed.scale)
     cell = with_sizes(cell, sizes)
     with progress("localize") as report:

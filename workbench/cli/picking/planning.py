@@ -36,12 +36,14 @@ from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.cell import MOST_PICKS, Cell, PlanOverrides
 from workbench.model.derived.by_recipe import as_chosen, check_strategy, strategy_of, wanted_parts
+from workbench.model.derived.by_view import by_each_view
 from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.recipes.recipe import NO_RECIPE
+from workbench.model.robot import HOME
 from workbench.model.scan import Detection, Unexplained
 from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
@@ -50,22 +52,30 @@ from workbench.plugins.robot_link import spoken_to_by
 def plan(typed: arguments.PlanArguments) -> int:
     """Plan for poses from a file, or to a view; write the plan only when its proof holds."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
-    if (typed.poses is None) == (typed.view is None):
-        raise InputError("one of --poses and --view is expected")
+    if typed.poses is None and typed.view is None:
+        raise InputError("--poses or --view is expected")
     return _plan_view(typed) if typed.poses is None else _plan_picks(typed, typed.poses)
 
 
 def _plan_view(typed: arguments.PlanArguments) -> int:
     """Plan the path to the view by the cell's policy."""
-    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin)
+    cell = _chosen(typed)
     if typed.protocol is not None:
         cell = spoken_to_by(cell, typed.protocol)
     with progress("plan") as report:
         make_ready(report, ("planning",))
         ready, began = seconds_since_start(), time.perf_counter()
-        result = plan_view(cell, view=typed.view or "", seed=typed.seed, report=report)
+        result = plan_view(
+            cell, view=typed.view or "", start=typed.start, seed=typed.seed, report=report
+        )
         planning = time.perf_counter() - began
     return _finish(typed, result, ready, planning)
+
+
+def _chosen(typed: arguments.PlanArguments) -> Cell:
+    """The cell by the recipe, bin and view that are asked for."""
+    view = "" if typed.view in (None, HOME) else typed.view
+    return as_chosen(read_cell(typed.cell), typed.recipe, typed.bin, view)
 
 
 def _plan_picks(typed: arguments.PlanArguments, poses: Path) -> int:
@@ -74,7 +84,7 @@ def _plan_picks(typed: arguments.PlanArguments, poses: Path) -> int:
         check_number("--threshold", typed.threshold, 0.0, 1.0)
     if typed.iterations is not None:
         check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
-    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin)
+    cell = _chosen(typed)
     if typed.protocol is not None:
         cell = spoken_to_by(cell, typed.protocol)
     strategy = typed.strategy or strategy_of(cell)
@@ -152,7 +162,8 @@ def warm_up(cell: Cell) -> None:
 def cell_of(plan: Plan, name: str | None) -> Cell:
     """The cell that a plan was made for, found by the name in it unless another one is given.
 
-    Where one of its recipes and bins makes the cell that the plan names by its digest, that is it.
+    Where one of its recipes, bins and views makes the cell that the plan names by its digest, that
+    is it.
 
     Raises:
         InputError: there is no such cell.
@@ -160,7 +171,8 @@ def cell_of(plan: Plan, name: str | None) -> Cell:
     try:
         cell = read_cell(plan.cell if name is None else name)
         numbers = (NO_RECIPE, *(recipe.number for recipe in cell.recipes))
-        chosen = (as_chosen(cell, n, box.name) for n in numbers for box in cell.bins)
+        by_bin = (as_chosen(cell, n, box.name) for n in numbers for box in cell.bins)
+        chosen = (one for known in by_bin for one in by_each_view(known))
         return next((known for known in chosen if known.digest == plan.cell_digest), cell)
     except InputError as error:
         if name is not None:

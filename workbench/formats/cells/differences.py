@@ -8,9 +8,10 @@ import pinocchio as pin
 
 from workbench.formats.parts.grasp_words import changes_in_words
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_view import view_name
 from workbench.model.digest import digest_of
 from workbench.model.geometry import shift_and_turn
-from workbench.model.messages.cells import BinChoiceText, DifferenceText
+from workbench.model.messages.cells import BinChoiceText, DifferenceText, ViewChoiceText
 from workbench.model.messages.message import Message, all_of
 from workbench.model.part import Part
 
@@ -30,6 +31,8 @@ def _differences(before: Cell, after: Cell) -> Iterator[Message]:
         yield BinChoiceText.CHOSEN(name=after.bin.name)
     elif digest_of(before.bins[1:]) != digest_of(after.bins[1:]):
         yield DifferenceText.BINS()
+    if view_name(before) != view_name(after):
+        yield ViewChoiceText.CHOSEN(name=view_name(after))
     yield from _list_moves(DifferenceText.BIN(), before.bin.T_world_bin, after.bin.T_world_bin)
     if not np.array_equal(before.bin.size, after.bin.size) or before.bin.wall != after.bin.wall:
         yield DifferenceText.BIN_SIZE()

@@ -35,6 +35,7 @@ from workbench.model.cell import (
     ScannerMount,
     picks_problem,
 )
+from workbench.model.derived.by_view import with_view
 from workbench.model.derived.policies import POLICIES
 from workbench.model.derived.speed_limits import limits_speed
 from workbench.model.errors import FileError, InputError
@@ -129,8 +130,24 @@ def read_cell(name: str | Path) -> Cell:
     for arm in cell.arms:
         check_kinds(table, arm.part_places, names)
     check_recipes(table, cell)
+    _check_views(table, cell)
     table.finish()
-    return cell
+    return with_view(cell, "")
+
+
+def _check_views(table: Table, cell: Cell) -> None:
+    """Whether each view names a bin, and each bin is seen, where an arm carries the scanner."""
+    if cell.scanner.on_arm is None:
+        return
+    views, bins = cell.scanner.on_arm.views, [box.name for box in cell.bins]
+    for view in views:
+        if view.bin and view.bin not in bins:
+            known = ", ".join(bins) if cell.other_bins else "none: the cell has a single bin"
+            problem = f"{view.bin!r} of view {view.name!r} is not one of {known}"
+            raise table.error("scanner.on_arm.view.bin", problem)
+    for name in bins:
+        if not any(view.bin in ("", name) for view in views):
+            raise table.error("scanner.on_arm.view", f"no view sees bin {name!r}")
 
 
 def _scanner(

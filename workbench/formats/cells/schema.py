@@ -245,7 +245,9 @@ def schema_text() -> str:
     """The schema as the file `robots/cell.schema.json` has it."""
     schema = cell_schema()
     tables = schema["properties"]
-    tables["bin"] = {"anyOf": [tables["bin"], {"type": "array", "items": tables["bin"]}]}
+    on_arm = tables["scanner"]["properties"]["on_arm"]["properties"]
+    for owner, key in ((tables, "bin"), (on_arm, "view")):
+        owner[key] = {"anyOf": [owner[key], {"type": "array", "items": owner[key]}]}
     return json.dumps(schema, indent=1) + "\n"
 
 

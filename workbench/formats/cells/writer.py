@@ -203,9 +203,13 @@ def _on_arm(carrier: ArmScanner, arm: Arm, put_mesh: PutMesh) -> Iterator[str]:
     yield from ("", "# Its pose in the flange's frame.", "[scanner.on_arm]")
     yield f"arm = {text(carrier.arm)}"
     yield from _pose(carrier.T_flange_scanner)
-    joints = np.rad2deg(arm.to_axes(carrier.view.q))
-    yield from ("", "[scanner.on_arm.view]", f"name = {text(carrier.view.name)}")
-    yield f"joints_deg = {numbers(np.round(joints, 4))}   # in the controller's order"
+    head = "[[scanner.on_arm.view]]" if carrier.other_views else "[scanner.on_arm.view]"
+    for view in carrier.views:
+        joints = np.rad2deg(arm.to_axes(view.q))
+        yield from ("", head, f"name = {text(view.name)}")
+        if view.bin:
+            yield f"bin = {text(view.bin)}"
+        yield f"joints_deg = {numbers(np.round(joints, 4))}   # in the controller's order"
     for solid in carrier.housing:
         lines = _solid("scanner", solid.name, solid, put_mesh)
         yield from ("", "[[scanner.on_arm.housing]]", *lines)

@@ -1,6 +1,7 @@
-"""A cell file's scanner that hangs on an arm: where on the flange, its housing, its view."""
+"""A cell file's scanner that hangs on an arm: where on the flange, its housing, its views."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -30,6 +31,8 @@ LONGEST_STEP = 0.3
 DIGITS = 3
 """Of a degree: the view is the same on every processor."""
 
+MOST_VIEWS = 16
+
 
 def read_arm_scanner(
     table: Table, robot: Robot, T_world_robot: pin.SE3, arms: Sequence[Arm]
@@ -56,16 +59,31 @@ def read_arm_scanner(
     for solid in housing:
         if solid.name in taken:
             raise table.error("housing.name", f"{solid.name!r} is a solid of tool {arm.tool.name}")
-    view = _read_view(table.table("view"), robot, T_world_robot, arm, T_flange_scanner)
+    stands = robot, T_world_robot, arm, T_flange_scanner
+    if not table.is_array("view"):
+        views = (_read_view(table.table("view"), *stands),)
+    else:
+        tables = list(table.tables("view"))
+        if not 1 <= len(tables) <= MOST_VIEWS:
+            raise table.error("view", f"{len(tables)} views, 1 to {MOST_VIEWS} are expected")
+        views = tuple(_read_view(each, *stands, n) for n, each in enumerate(tables, start=1))
+        table.once("view.name", (view.name for view in views))
+        views = (replace(views[0], number=0),) if len(views) == 1 else views
     table.finish()
-    return ArmScanner(arm.name, arm.flange, arm.joints, T_flange_scanner, view, arm.home, housing)
+    flange = arm.flange, arm.joints, T_flange_scanner
+    return ArmScanner(arm.name, *flange, views[0], arm.home, housing, views[1:])
 
 
 def _read_view(
-    table: Table, robot: Robot, T_world_robot: pin.SE3, arm: Arm, T_flange_scanner: pin.SE3
+    table: Table,
+    robot: Robot,
+    T_world_robot: pin.SE3,
+    arm: Arm,
+    T_flange_scanner: pin.SE3,
+    number: int = 0,
 ) -> ScanPosture:
     """The posture, by the joints of the arm or by the pose of the scanner in the world."""
-    name = table.text("name", "view")
+    name, bin = table.text("name", "view"), table.text("bin", "", empty=True)
     if name == HOME:
         raise table.error("name", f"a view cannot be called {HOME}: that is where home_deg is")
     has_pose = any(table.has(key) for key in POSE)
@@ -91,7 +109,7 @@ def _read_view(
                     "joints_deg",
                     f"{typed[axis]:g} for axis {axis + 1} is outside {low:.1f} to {high:.1f}",
                 )
-        return ScanPosture(name, q)
+        return ScanPosture(name, q, bin, number)
     T_robot_flange = T_world_robot.actInv(T_world_scanner) * T_flange_scanner.inverse()
     q, away = _find_posture(robot, arm, T_robot_flange)
     if q is None:
@@ -99,7 +117,7 @@ def _read_view(
             "position_mm",
             f"the view is out of reach of arm {arm.name}, {away * 1000:.0f} mm at best",
         )
-    return ScanPosture(name, np.deg2rad(np.round(np.rad2deg(q), DIGITS)))
+    return ScanPosture(name, np.deg2rad(np.round(np.rad2deg(q), DIGITS)), bin, number)
 
 
 def _find_posture(robot: Robot, arm: Arm, T_robot_flange: pin.SE3) -> tuple[Floats | None, float]:

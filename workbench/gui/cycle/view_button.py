@@ -1,16 +1,24 @@
-"""The button that plans the path of a scanner on an arm to its view, and back home from there."""
+"""The view of a scanner on an arm, and the button that plans the path there, or back home."""
+
+from typing import Any
 
 import viser
 
+from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.viewing import PlanView
+from workbench.app.core.state import State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
+from workbench.model.cell import Cell
+from workbench.model.derived.by_view import view_name, views_of
 from workbench.model.robot import HOME
 
 SAYS = "Plans the path of the arm with the scanner between home and view; then a person approves."
 
 TO_VIEW, TO_HOME = "Go to view", "Go back home"
+
+NO_VIEW = "-"
 
 
 class ViewButton:
@@ -24,10 +32,28 @@ class ViewButton:
         )
         self._goal = ""
         visitor.on_press(self.button, lambda: PlanView(self._goal))
+        # A browser may send anything.
+        self._chosen: Any = visitor.gui.add_dropdown(
+            "View",
+            _names(visitor.cell) or (NO_VIEW,),
+            visible=False,
+            hint="Scans are taken from it. The scan and the plan are void when another one is "
+            "chosen; then the arm has to go there.",
+        )
+
+        @self._chosen.on_update
+        def _(event: Any) -> None:
+            # The renderer sets it, too; only a person's hand comes with a browser.
+            if event.client is None:
+                return
+            name, now = str(self._chosen.value), view_name(visitor.bench.state.cell)
+            if name != now and not visitor.ask(lambda: ChooseView(name)):
+                self._chosen.value = view_name(visitor.bench.state.cell)
 
     def show(self, new: View) -> bool:
         """Bring it up to date; whether it is what comes before a scan."""
         state, visitor = new.state, self._visitor
+        self._show_views(state)
         self.button.visible = state.cell.scanner.on_arm is not None
         if not self.button.visible:
             return False
@@ -38,3 +64,19 @@ class ViewButton:
         problem = visitor.refusal(state, PlanView(self._goal), new.at, new.live.joints)
         visitor.allow(self.button, visitor.words.render(problem))
         return problem is None and not self._goal
+
+    def _show_views(self, state: State) -> None:
+        """Show the view that is chosen now, where there are several."""
+        names, chosen = _names(state.cell), self._chosen
+        chosen.visible = len(names) > 1
+        if not chosen.visible:
+            return
+        if chosen.options != names:
+            chosen.options = names
+        if chosen.value != view_name(state.cell):
+            chosen.value = view_name(state.cell)
+        self._visitor.admit(chosen, state, ChooseView)
+
+
+def _names(cell: Cell) -> tuple[str, ...]:
+    return tuple(view.name for view in views_of(cell))

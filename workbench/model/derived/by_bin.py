@@ -7,6 +7,7 @@ from itertools import combinations, product
 import numpy as np
 
 from workbench.model.cell import Cell, Fixture
+from workbench.model.derived.by_view import view_name, with_view
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
 from workbench.model.messages.cells import BinChoiceText
@@ -17,6 +18,8 @@ MOST_BINS = 8
 
 def with_bin(cell: Cell, name: str) -> Cell:
     """A cell that takes parts from the bin of that name; empty: the bin that it has now.
+
+    Where another view sees that bin, a scanner on an arm scans from there.
 
     Raises:
         InputError: there is none; the message lists those there are.
@@ -30,7 +33,16 @@ def with_bin(cell: Cell, name: str) -> Cell:
         known = [box.name for box in cell.bins]
         raise InputError(BinChoiceText.UNKNOWN(cell=cell.name, name=f"{name:.40}", known=known))
     others = tuple(box for box in cell.bins if box is not found)
-    return replace(cell, bin=found, other_bins=others)
+    return with_view(replace(cell, bin=found, other_bins=others), "")
+
+
+def chosen_as_in(cell: Cell, other: Cell) -> Cell:
+    """A cell by the bin and the view that are chosen in another one.
+
+    Raises:
+        InputError: it has no such bin or view.
+    """
+    return with_view(with_bin(cell, other.bin.name), view_name(other))
 
 
 def bin_around(cell: Cell, p_world: Floats) -> Bin:

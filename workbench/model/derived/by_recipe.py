@@ -7,6 +7,7 @@ from itertools import cycle, islice
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.assembly_checks import assembly_problem
 from workbench.model.derived.by_bin import with_bin
+from workbench.model.derived.by_view import with_view
 from workbench.model.errors import InputError
 from workbench.model.messages.cells import RecipeText
 from workbench.model.messages.message import Message
@@ -88,13 +89,15 @@ def with_recipe(cell: Cell, number: int) -> Cell:
     )
 
 
-def as_chosen(cell: Cell, recipe: int, bin: str = "") -> Cell:
-    """A cell as its file states it, by a recipe and a bin; without a name the recipe's bin.
+def as_chosen(cell: Cell, recipe: int, bin: str = "", view: str = "") -> Cell:
+    """A cell as its file states it, by a recipe, a bin and a view of its scanner on an arm.
+
+    Without a name it is the recipe's bin, and the first view of that.
 
     Raises:
-        InputError: there is no such recipe or bin, or the recipe does not fit the cell.
+        InputError: there is no such recipe, bin or view, or the recipe does not fit the cell.
     """
-    return with_bin(with_recipe(cell, recipe), bin)
+    return with_view(with_bin(with_recipe(cell, recipe), bin), view)
 
 
 def strategy_of(cell: Cell) -> str:

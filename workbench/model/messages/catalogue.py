@@ -24,6 +24,7 @@ from workbench.model.messages.cells import (
     KitText,
     LoadText,
     RecipeText,
+    ViewChoiceText,
 )
 from workbench.model.messages.changes import ChangeText, FillText, GraspChange, RemainText
 from workbench.model.messages.commands import (
@@ -134,6 +135,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     LoadText,
     RecipeText,
     BinChoiceText,
+    ViewChoiceText,
     AssemblyText,
     KitText,
     InventoryText,

@@ -87,6 +87,14 @@ class BinChoiceText(Text, subject="bin_choice"):
     UNKNOWN = "cell {cell} has no bin {name}; it has {known}"
 
 
+class ViewChoiceText(Text, subject="view_choice"):
+    """Views of a scanner on an arm: which one is chosen, and why one cannot be."""
+
+    CHOSEN = "scans are taken from view {name}: go there"
+    UNKNOWN = "no view {name} sees this bin of cell {cell}; there is {known}"
+    STANDS = "the scanner of cell {cell} hangs on no arm and has no views"
+
+
 class AssemblyText(Text, subject="assembly"):
     """Assemblies: why a recipe cannot put a part onto another one of its kit."""
 

@@ -33,6 +33,7 @@ class CommandText(Text, subject="command"):
     CANCEL_JOB = "the cancelling of a task"
     CHOOSE_RECIPE = "the choice of a recipe"
     CHOOSE_BIN = "the choice of a bin"
+    CHOOSE_VIEW = "the choice of a view"
     NEW_BIN = "a new bin"
     NEW_KIT = "a new kit"
     CHANGE_CELL = "a change of the cell"

@@ -112,11 +112,14 @@ class Refusal(Text, subject="refusal"):
         "the pose of the scan does not follow from its joints of the {arm} arm; take a scan"
     )
     SCANNER_STANDS = "the scanner of cell {cell} hangs on no arm: there is no path to a view"
-    OTHER_VIEW = "the scanner has no view {view}; its view is {known}"
+    OTHER_VIEW = "the scanner has no view {view}; it has {known}"
+    VIEW_NOT_CHOSEN = "scans are taken from view {chosen}; choose view {view} first"
+    OTHER_START = "no path begins at {start}; it begins at {known}"
     AT_VIEW = "the {arm} arm stands at view {view} already"
     NOT_AT_HOME = (
-        "the path to the view begins at home (home_deg): axis {axis} of the {arm} arm stands "
-        "{off:deg} from there, so that a point of the arm may be {away:mm} away; bring it there"
+        "the path to the view begins at home (home_deg) or another view: axis {axis} of the {arm} "
+        "arm stands {off:deg} from home, so that a point of the arm may be {away:mm} away; bring "
+        "it there"
     )
     MOVED_SINCE_SCAN = (
         "the robot has moved since the scan: axis {axis} of the {arm} arm stands {off:deg} from "

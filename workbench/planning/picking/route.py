@@ -30,7 +30,6 @@ from workbench.model.plan import (
     Step,
     Strategy,
 )
-from workbench.model.robot import ArmScanner
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, Run, phase_of
 from workbench.planning.collision.motion import RESOLUTION, path_contact
@@ -188,30 +187,29 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
 
 
 def route_view(
-    world: World, carrier: ArmScanner, *, scan_digest: str, seed: int, is_back: bool = False
+    world: World, arm_name: str, between: tuple[Floats, Floats], *, scan_digest: str, seed: int
 ) -> Plan | Verdict:
-    """A plan in which an arm takes its scanner from the arm's home to the view.
+    """A plan in which an arm takes its scanner to a view, or home.
 
     Its hand is empty and as wide open as it can be.
 
     Args:
         world: without parts; its obstacles fill the bin.
-        carrier: the scanner on the arm.
+        arm_name: which arm carries it.
+        between: the postures (n,) [rad, m] where it begins and ends.
         scan_digest: of the parts, of which there are none.
         seed: of the request.
-        is_back: from the view to the home instead.
 
     Returns:
         The plan, or the verdict of its leg.
     """
     began = working_time()
-    arm = world.arm(carrier.arm)
-    ends = (carrier.view.q, carrier.home) if is_back else (carrier.home, carrier.view.q)
+    arm = world.arm(arm_name)
     nothing = arm.name, NO_PART, "", pin.SE3.Identity()
     plan = ArmPlan(*nothing, arm.joints, (), loads=tool_loads(arm.tool))
     opening = float(arm.tool.stroke[1])
     world.enter(phase_of([(plan, "view", opening)]))
-    start, goal = (posture_of(world, arm, np.asarray(q)) for q in ends)
+    start, goal = (posture_of(world, arm, np.asarray(q)) for q in between)
     rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
     path = free_path(world, arm, start[None], goal, rng)
     if isinstance(path, Verdict):

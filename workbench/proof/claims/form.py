@@ -163,8 +163,12 @@ def _view(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
         yield Violation(ProofText.BIN_LEFT_OUT(), arm_plan.arm)
     path = np.asarray(arm_plan.legs[0].q) if arm_plan.legs else np.empty(0)
     ends = carrier.home, carrier.view.q
-    if len(path) and path.shape[1:] == carrier.view.q.shape and carrier.leads_home(path):
-        ends = carrier.view.q, carrier.home
+    if len(path) and path.shape[1:] == carrier.view.q.shape:
+        if carrier.leads_home(path):
+            ends = carrier.view.q, carrier.home
+        else:
+            starts = [carrier.home, *(view.q for view in carrier.other_views)]
+            ends = min(starts, key=lambda q: np.abs(path[0] - q).max()), carrier.view.q
     yield from _legs(cell, arm_plan, VIEW_LEGS, ends)
 
 

@@ -9,6 +9,7 @@ from workbench.app.core.cell.changes import EmptyPallets, RedoCell, SaveCell, Un
 from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.core.cell.kits import NewKit
 from workbench.app.core.cell.recipes import ChooseRecipe
+from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.command import Command
 from workbench.app.core.control import (
     AskForControl,
@@ -83,23 +84,18 @@ def _text(longest: int) -> Values:
 
 
 SEED = Field("seed", "the same seed gives the same result", _whole(0, SEED_LIMIT - 1), 0)
-PLAN = Field(
-    "plan", "digest of the plan that is meant", {"type": "string", "pattern": "^[0-9a-f]{64}$"}
-)
+DIGEST: Values = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
+PLAN = Field("plan", "digest of the plan that is meant", DIGEST)
 ROW = Field(
     "row",
     "digests of the plans after it, in their order, joined by +; empty: it stands alone",
     {"type": "string", "pattern": r"^([0-9a-f]{64}(\+[0-9a-f]{64}){0,8})?$"},
     "",
 )
-RAN = Field(
-    "ran",
-    "digest of what runs now, as the state has it",
-    {"type": "string", "pattern": "^[0-9a-f]{64}$"},
-)
+RAN = Field("ran", "digest of what runs now, as the state has it", DIGEST)
 BIN = Field("name", "of one of the `bins` of the state", _text(LONGEST_NAME))
+VIEW = Field("name", "of one of the `views` of the state", _text(LONGEST_NAME))
 TO = Field("to", "name of somebody who has asked for control", _text(LONGEST_NAME))
-
 
 OVERRIDES = ("planner", "order", "iterations", "margin", "metric", "picks")
 
@@ -208,7 +204,7 @@ CALLS: tuple[Call, ...] = (
     ),
     Call(
         "/view",
-        "Plan and prove the path of an arm's scanner to its view, or back.",
+        "Plan and prove the path of an arm's scanner to the chosen view, or back.",
         PlanView,
         (SEED, Field("view", "its name; empty: that of the cell; `home`", _text(LONGEST_NAME), "")),
         begins=True,
@@ -362,6 +358,7 @@ CALLS: tuple[Call, ...] = (
         ChooseBin,
         (BIN,),
     ),
+    Call("/choose-view", "Take scans from another view of an arm's scanner.", ChooseView, (VIEW,)),
     Call(
         "/new-bin",
         "Say that a bin was refilled, or another one stands in its place.",

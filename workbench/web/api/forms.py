@@ -14,6 +14,7 @@ from workbench.app.runtime.live import Live
 from workbench.app.statistics.statistics import GROUPS, Statistics
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.derived.by_recipe import kit_of, strategies_of
+from workbench.model.derived.by_view import view_name, views_of
 from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import canonical
 from workbench.model.messages.message import as_message
@@ -44,6 +45,8 @@ def state_form(state: State, live: Live) -> Form:
         "bin": state.cell.bin.name,
         "bins": [box.name for box in state.cell.bins],
         "empty_bins": [box.name for box in state.cell.bins if box.name in state.empty_bins],
+        "view": view_name(state.cell),
+        "views": [view.name for view in views_of(state.cell)],
         "recipe": state.cell.recipe,
         "recipes": [{"number": r.number, "name": r.name} for r in state.cell.recipes],
         "kit": _kit_form(state),

@@ -87,6 +87,8 @@ STATE = record(
     bin=TEXT,
     bins=many(TEXT),
     empty_bins=many(TEXT),
+    view=TEXT,
+    views=many(TEXT),
     kit=or_none(
         record(
             items=many(record(part=TEXT, count=WHOLE, has=WHOLE)),

@@ -24,8 +24,9 @@ from workbench.app.core.state import (
 from workbench.app.core.value_checks import check_cell, check_says, check_text
 from workbench.formats.cells.differences import difference
 from workbench.model.cell import Cell
-from workbench.model.derived.by_bin import with_bin
+from workbench.model.derived.by_bin import chosen_as_in
 from workbench.model.derived.by_recipe import as_chosen
+from workbench.model.derived.by_view import view_name
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import put
@@ -61,13 +62,13 @@ class ChangeCell(Command):
             raise CommandRefused(ChangeRefusal.CELL_AS_IT_WAS())
         try:
             for known in (state.cell, state.whole or state.cell):
-                with_bin(self.cell, known.bin.name)
+                chosen_as_in(self.cell, known)
         except InputError as error:
             raise CommandRefused(error.message) from error
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        # By the bin that the state has, which is the first one while the file is changed.
-        return changed_cell(state, with_bin(self.cell, state.cell.bin.name), self.says)
+        # By the bin and view of the state, which are the first ones while the file is changed.
+        return changed_cell(state, chosen_as_in(self.cell, state.cell), self.says)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -161,13 +162,13 @@ class EmptyPallets(Command):
 
 
 def change_whole(state: State, change: Callable[[State], Decision]) -> Decision:
-    """A change made to the cell as its file has it, of which a bin may be chosen and stays so."""
+    """A change made to the cell as its file has it; the bin and view that are chosen stay so."""
     if state.whole is None:
         return change(state)
     after, effects = change(replace(state, cell=state.whole, whole=None))
     whole = after.cell
     try:
-        cell = with_bin(whole, state.cell.bin.name)
+        cell = chosen_as_in(whole, state.cell)
     except InputError:
         # A cell of before that bin; the scan was of it.
         message = after.message
@@ -200,7 +201,7 @@ def redone(state: State) -> Changed:
 
 
 def cell_read(state: State, command: CellRead) -> Changed:
-    """The state after the cell file was read; recipe and bin stay chosen where it has them."""
+    """The state after the cell file was read; recipe, bin and view stay chosen if it has them."""
     if state.whole is None or command.cell is None:
         return _read(state, command)
     in_force, number = state.cell, state.cell.recipe
@@ -210,10 +211,10 @@ def cell_read(state: State, command: CellRead) -> Changed:
         cell = replace(in_force, approvers=whole.approvers)
     else:
         try:
-            cell = as_chosen(whole, number, in_force.bin.name)
+            cell = as_chosen(whole, number, in_force.bin.name, view_name(in_force))
         except InputError as error:
-            if in_force.bin.name != whole.bin.name:
-                # The scan was of a bin that nobody takes parts from any more.
+            if (in_force.bin.name, view_name(in_force)) != (whole.bin.name, view_name(whole)):
+                # The scan was of a bin that nobody takes parts from any more, or of another view.
                 after = begin_stage(after, ScanState, stale=after.stale)
             return replace(after, message=RecipeText.UNFIT(problem=error.message)), effects
     after = replace(after, cell=cell, whole=None if cell.digest == whole.digest else whole)

@@ -12,6 +12,7 @@ from workbench.app.core.state import State
 from workbench.app.core.value_checks import check_integer
 from workbench.model.cell import Cell
 from workbench.model.derived.by_recipe import as_chosen, kit_of, recipe_of
+from workbench.model.derived.by_view import view_name
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.cells import KitText, RecipeText
 from workbench.model.messages.commands import CommandText
@@ -46,7 +47,9 @@ def by_recipe(state: State, number: int) -> Cell:
     try:
         whole = state.whole or state.cell
         names_bin = number != NO_RECIPE and recipe_of(whole, number).bin
-        return as_chosen(whole, number, "" if names_bin else state.cell.bin.name)
+        if names_bin:
+            return as_chosen(whole, number)
+        return as_chosen(whole, number, state.cell.bin.name, view_name(state.cell))
     except InputError as error:
         raise CommandRefused(error.message) from error
 

@@ -55,20 +55,40 @@ def view_named(cell: Cell, view: str) -> ArmScanner:
     """The scanner of a cell on its arm, which has the view of that name; empty: any, or `HOME`.
 
     Raises:
-        CommandRefused: the scanner stands, or has no view of that name.
+        CommandRefused: the scanner stands, or another view is chosen.
     """
     carrier = cell.scanner.on_arm
     if carrier is None:
         raise CommandRefused(Refusal.SCANNER_STANDS(cell=cell.name))
+    known = [posture.name for posture in carrier.views]
+    if view not in ("", HOME, *known):
+        raise CommandRefused(Refusal.OTHER_VIEW(view=f"{view!r:.60}", known=known))
     if view not in ("", HOME, carrier.view.name):
-        raise CommandRefused(Refusal.OTHER_VIEW(view=f"{view!r:.60}", known=carrier.view.name))
+        raise CommandRefused(Refusal.VIEW_NOT_CHOSEN(chosen=carrier.view.name, view=view))
     return carrier
+
+
+def path_start(cell: Cell, carrier: ArmScanner, joints: Mapping[str, float]) -> str | None:
+    """Where a path to the view begins: at `HOME` or the other view where the arm stands; else None.
+
+    Args:
+        cell: whose scanner it is.
+        carrier: the scanner on its arm.
+        joints: name -> [rad, m], as `standing_joints` has them.
+    """
+    if _unknown(cell, joints):
+        return None
+    arm = cell.arm(carrier.arm)
+    starts = {HOME: carrier.home} | {view.name: view.q for view in carrier.other_views}
+    offs = {name: shift_of(cell, arm, q, joints) for name, q in starts.items()}
+    near = [name for name, off in offs.items() if off.shift <= off.allowed]
+    return min(near, key=lambda name: offs[name].shift, default=None)
 
 
 def path_problem(
     cell: Cell, carrier: ArmScanner, joints: Mapping[str, float], view: str = ""
 ) -> Message | None:
-    """Why the path to the view or home cannot begin; None when the arm stands at its other end.
+    """Why the path to the view or home cannot begin; None when the arm stands where it begins.
 
     Args:
         cell: whose scanner it is.
@@ -80,10 +100,10 @@ def path_problem(
         return view_problem(cell, joints)
     if problem := _unknown(cell, joints):
         return problem
+    if path_start(cell, carrier, joints) is not None:
+        return None
     arm = cell.arm(carrier.arm)
     off = shift_of(cell, arm, carrier.home, joints)
-    if off.shift <= off.allowed:
-        return None
     if view_problem(cell, joints) is None:
         return Refusal.AT_VIEW(arm=arm.name, view=carrier.view.name)
     return Refusal.NOT_AT_HOME(axis=off.axis, arm=arm.name, off=off.worst, away=off.shift)

@@ -4,20 +4,26 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
-from workbench.app.core.cycle.arm_scanner import path_problem, standing_joints, view_named
+from workbench.app.core.cycle.arm_scanner import (
+    path_problem,
+    path_start,
+    standing_joints,
+    view_named,
+)
 from workbench.app.core.state import Phase, ScanState, State, before_a_scan, begin_stage
 from workbench.app.core.tasks import begin_task
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.states import ClearanceText, StateText
 from workbench.model.plan import PlanResult, floor_distance
+from workbench.model.robot import HOME
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanView(Command):
-    """Plan how the arm with the scanner goes from its home to the view of this name.
+    """Plan how the arm with the scanner goes from its home, or another view, to the chosen one.
 
-    `view`: empty: that of the cell; `HOME`: back from it to the arm's home.
+    `view`: its name, or empty; `HOME`: back from it to the arm's home.
     """
 
     right: ClassVar[Right] = Right(CommandText.PLAN_VIEW, SAFE)
@@ -33,7 +39,15 @@ class PlanView(Command):
         refuse(path_problem(state.cell, carrier, joints, self.view))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        arguments = {"view": self.view, "placed": state.placed, "seed": self.seed}
+        carrier = view_named(state.cell, self.view)
+        joints = standing_joints(state.cell, entry.joints)
+        start = path_start(state.cell, carrier, joints) or HOME
+        arguments = {
+            "view": self.view,
+            "start": start,
+            "placed": state.placed,
+            "seed": self.seed,
+        }
         return begin_task(state, entry, "view", arguments, StateText.PLANNING())
 
 
