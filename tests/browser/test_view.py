@@ -4,7 +4,7 @@ import functools
 from dataclasses import replace
 
 import pytest
-from arm_scanner_cell import on_arm_cell, parked
+from arm_scanner_cell import on_arm_cell, parked, with_lower_view
 from patient import PATIENT, in_threads
 from playwright.sync_api import expect
 from test_page import approve, seen
@@ -17,17 +17,21 @@ from workbench.journal.journal import Journal
 from workbench.plugins.robot_link import Simulation
 
 
+def two_views():
+    return with_lower_view(on_arm_cell())
+
+
 @pytest.fixture
 def controller():
     with in_threads() as started:
         yield started(
-            SimulatedController(parked(on_arm_cell()), Simulation(speed=5.0), patience=PATIENT)
+            SimulatedController(parked(two_views()), Simulation(speed=5.0), patience=PATIENT)
         )
 
 
 @pytest.fixture
 def bench(controller, tmp_path):
-    cell = on_arm_cell()
+    cell = two_views()
     there = replace(cell.controller, port=controller.port, state_port=controller.state_port)
     effects = functools.partial(EffectRunner, patience=PATIENT)
     bench = Bench(replace(cell, controller=there), Journal(tmp_path / "session"), effects=effects)
@@ -59,9 +63,27 @@ def test_go_to_view_is_planned_approved_sent_a_scan_is_taken_and_the_way_back_pl
     expect(screen.button("Go to view")).to_have_count(0)
     screen.press("Scan")
     assert reaches("scanned").scan is not None
+    chosen = screen.page.get_by_role("combobox", name="View", exact=True)
+    expect(chosen).to_have_value("bin")
+    chosen.click()
+    screen.page.get_by_role("option", name="low").click()
+    screen.wait_for("scans are taken from view low: go there")
+    expect(screen.button("Scan")).to_be_disabled()
+    screen.press("Go to view")
+    assert reaches("planned").scan is None
+    screen.wait_for("The left arm takes the scanner to view low")
+    seen(bench)
+    screen.shoot("view-2-low")
+    approve(screen, "Anna")
+    reaches("approved")
+    screen.press("Send")
+    reaches("done")
+    screen.wait_for("The left arm stands at view low")
+    screen.press("Scan")
+    assert reaches("scanned").scan is not None
     screen.press("Go back home")
     state = reaches("planned")
     assert state.plan.is_view_plan and state.proof.holds and state.scan is None
     screen.wait_for("The left arm takes the scanner home, clear of the whole bin")
-    screen.shoot("view-2-back")
+    screen.shoot("view-3-back")
     assert not screen.errors
