@@ -22,6 +22,7 @@ from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.states import StateText
+from workbench.model.recipes.kit import KitItem, KitPart, KitProgress
 from workbench.model.recipes.recipe import Recipe
 from workbench.model.release import PartReport, Receipt
 
@@ -204,3 +205,46 @@ def test_what_is_avoided_is_avoided_in_its_own_bin_alone(done, samples):
     line.do(ChooseBin("right"))
     assert len(avoided_parts(search(line, samples, samples.detections()), line.now)) == 1
     assert line.do(NewBin("right")).avoided == ()
+
+
+BOTH_KINDS = Recipe(1, "one of each", items=(KitItem("peg", 1), KitItem("cap", 1)))
+
+
+@pytest.fixture
+def for_a_kit(done) -> Line:
+    """After a cycle in a cell that fills kits of a peg and a cap, and has the peg."""
+    cell = done.state.cell
+    cap = replace(cell.part("peg"), name="cap")
+    cell = replace(cell, parts=(*cell.parts, cap), recipes=(BOTH_KINDS,), recipe=1)
+    kit = KitProgress((KitPart("peg", "plan", 0),))
+    whole = replace(cell, recipe=0)
+    done.state = replace(done.state, cell=cell, whole=whole, kit=kit)
+    return done
+
+
+def test_a_cycle_goes_on_with_the_next_bin_for_what_the_kit_lacks(for_a_kit, samples):
+    line = for_a_kit
+    line.do(GoOn())
+    line.ended(samples.scan())
+    state = line.ended(samples.detections())
+    assert (state.cell.bin.name, state.job.name, state.empty_bins) == ("left", "scan", ())
+    assert str(state.message).startswith("the kit lacks 1 cap, and none was found")
+    line.ended(samples.scan(seed=8))
+    state = line.ended(samples.detections())
+    # None of the bins has any: the cycle ends, and the next one looks into both again.
+    assert (state.cell.bin.name, state.job) == ("left", None)
+    assert state.kit.bins_without == ("right", "left")
+    assert str(state.message).endswith("no further cycle starts")
+    line.state = replace(line.state, phase=Phase.DONE)
+    assert line.do(GoOn()).kit.bins_without == ()
+
+
+def test_a_complete_kit_chooses_no_bin(for_a_kit, samples):
+    line = for_a_kit
+    kit = replace(line.state.kit, parts=(*line.state.kit.parts, KitPart("cap", "plan", 1)))
+    line.state = replace(line.state, kit=kit)
+    line.do(GoOn())
+    line.ended(samples.scan())
+    state = line.ended(samples.detections())
+    assert (state.cell.bin.name, state.job) == ("right", None)
+    assert "the kit is complete" in str(state.message)

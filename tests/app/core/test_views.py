@@ -12,6 +12,7 @@ from workbench.app.core.cell.bins import ChooseBin
 from workbench.app.core.cell.changes import CellRead, ChangeCell, UndoCell
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.cell.views import ChooseView
+from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.effects import StartJob
@@ -111,6 +112,19 @@ def test_a_bin_and_a_recipe_take_their_view_along(cell):
     assert line.state.whole is None
     assert view_name(line.do(ChooseRecipe(1)).cell) == "low"
     assert [view.name for view in views_of(line.state.cell)] == ["low"]
+
+
+def test_a_cycle_ends_where_the_arm_has_to_go_to_the_view_of_the_next_bin(cell):
+    line = Line(two_bins(cell))
+    line.joints = standing(cell)
+    T_world_scanner = cell.scanner.T_world_scanner
+    line.state = replace(line.state, phase=Phase.DONE)
+    line.do(GoOn())
+    line.ended(Scan(np.ones((3, 3)), T_world_scanner, "made", joints=line.joints))
+    state = line.ended(())
+    assert (state.cell.bin.name, view_name(state.cell), state.job) == ("left", "low", None)
+    assert "nothing is left to take in bin right" in str(state.message)
+    assert "does not stand at view low" in str(state.message)
 
 
 def test_unknown_views_are_refused(line):

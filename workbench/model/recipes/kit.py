@@ -62,12 +62,14 @@ class KitPart:
 class KitProgress:
     """The parts of the kit that is being filled, and how many kits were taken away before it.
 
-    `complete` of those had all their parts, `incomplete` had not.
+    `complete` of those had all their parts, `incomplete` had not.  `bins_without` names the bins
+    in which this cycle has found nothing that the kit lacks.
     """
 
     parts: tuple[KitPart, ...] = ()
     complete: int = 0
     incomplete: int = 0
+    bins_without: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
 
     @property
     def counts(self) -> Mapping[str, int]:

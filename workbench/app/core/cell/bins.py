@@ -92,7 +92,8 @@ def with_contents(state: State, *, is_empty: bool) -> State:
 def next_bin(state: State) -> str:
     """The name of the bin after the chosen one that is not empty; empty: there is none.
 
-    A recipe that names its bin stays with it.
+    It is none in which this cycle has found nothing that the kit lacks.  A recipe that names its
+    bin stays with it.
     """
     cell = state.cell
     if cell.recipe != NO_RECIPE and recipe_of(cell, cell.recipe).bin:
@@ -100,7 +101,8 @@ def next_bin(state: State) -> str:
     names = [box.name for box in cell.bins]
     place = names.index(cell.bin.name)
     following = (*names[place + 1 :], *names[:place])
-    return next((name for name in following if name not in state.empty_bins), "")
+    passed = {*state.empty_bins, *state.kit.bins_without}
+    return next((name for name in following if name not in passed), "")
 
 
 def bin_numbered(state: State, number: int) -> str | None:

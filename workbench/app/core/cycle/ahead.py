@@ -71,6 +71,7 @@ class GoOn(Command):
             raise CommandRefused(Refusal.ONLY_COMPARED())
 
     def apply(self, state: State, entry: Entry) -> Decision:
+        state = replace(state, kit=replace(state.kit, bins_without=()))
         if state.phase is Phase.SENDING:
             return asked_ahead(state, self, entry)
         return take_scan(state, entry, self.scan, then=self)

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 from workbench.app.core.cell.bins import choose_bin, next_bin
 from workbench.app.core.cell.emptying import emptying_words
-from workbench.app.core.cell.kits import kit_problem
+from workbench.app.core.cell.kits import kit_problem, lacks_of
 from workbench.app.core.command import Decision, Entry
-from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
+from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints, view_problem
 from workbench.app.core.cycle.parts import add_search, find_parts, with_detections
 from workbench.app.core.cycle.planning import make_plan, with_plan
 from workbench.app.core.cycle.scanning import TakeScan, take_scan, with_scan
@@ -90,8 +90,10 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
             return find_parts(after, entry, job.then.find, then=job.then)
         case "localize", Phase.LOCALIZED:
             joints = standing_joints(after.cell, entry.joints)
-            if problem := scan_problem(after.cell, after.scan, joints) or kit_problem(after):
-                return replace(after, message=all_of((problem, StateText.ENDS_HERE()))), ()
+            if problem := scan_problem(after.cell, after.scan, joints):
+                return _ended(replace(after, message=problem)), ()
+            if problem := kit_problem(after):
+                return _without_kit_part(replace(after, message=problem), entry, job.then)
             return make_plan(after, entry, job.then.plan, then=job.then)
         case _ if is_exhausted(after) and before.phase is not Phase.SENDING:
             return from_next_bin(after, entry, job.then)
@@ -103,17 +105,36 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
 
 def from_next_bin(state: State, entry: Entry, then: "GoOn") -> Decision:
     """The cycle with the next bin where nothing is left to take in the chosen one; or its end."""
-    name, found = next_bin(state), as_message(state.message)
-    if not name:
-        is_every = all(box.name in state.empty_bins for box in state.cell.bins)
-        said = BinChoiceText.ALL_EMPTY() if is_every else None
-        return _ended(replace(state, message=all_of((found, said)))), ()
-    emptied = BinChoiceText.EMPTY(name=state.cell.bin.name)
+    if name := next_bin(state):
+        emptied = BinChoiceText.EMPTY(name=state.cell.bin.name)
+        return _from_bin(name, state, entry, then, why=emptied)
+    is_every = all(box.name in state.empty_bins for box in state.cell.bins)
+    said = BinChoiceText.ALL_EMPTY() if is_every else None
+    return _ended(replace(state, message=all_of((as_message(state.message), said)))), ()
+
+
+def _without_kit_part(state: State, entry: Entry, then: "GoOn") -> Decision:
+    """The cycle with the next bin where the chosen one has nothing for the kit; or its end."""
+    after = state
+    if lacks_of(state):
+        passed = (*state.kit.bins_without, state.cell.bin.name)
+        after = replace(state, kit=replace(state.kit, bins_without=passed))
+        if name := next_bin(after):
+            return _from_bin(name, after, entry, then, why=as_message(state.message))
+    return _ended(after), ()
+
+
+def _from_bin(name: str, state: State, entry: Entry, then: "GoOn", *, why: Message) -> Decision:
+    """The cycle with that bin from its scan on; it ends where the arm has to go to its view."""
     after, effects = choose_bin(state, name)
+    joints = standing_joints(after.cell, entry.joints)
+    if problem := view_problem(after.cell, joints):
+        said = all_of((why, as_message(after.message), problem))
+        return _ended(replace(after, message=said)), effects
     # A simulated bin that follows is not empty.
     scan = replace(then.scan, parts=then.scan.parts or TakeScan().parts)
     begun, tasks = take_scan(after, entry, scan, then=replace(then, scan=scan))
-    said = all_of((emptied, as_message(after.message), as_message(begun.message)))
+    said = all_of((why, as_message(after.message), as_message(begun.message)))
     return replace(begun, message=said), (*effects, *tasks)
 
 
