@@ -95,7 +95,8 @@ def _why_one(cell: Cell, detections: Sequence[Detection], result: PlanResult) ->
         return f"the other part by no arm: {_furthest(result, unable)}"
     if len(arms) == 1:
         return "both parts by the same arm alone"
-    if len(set(World(cell, tuple(detections), ()).part_ways.heaps)) == 1:
+    world = World(cell, tuple(detections), ())
+    if len(set(world.part_ways.heaps(cell.policy.pair_gap))) == 1:
         return "the parts are of one heap"
     return "no plan of two arms"
 

@@ -176,7 +176,7 @@ def near(cell):
     places = ((-0.05, -0.096), (-0.044, 0.101), (0.044, -0.009), (-0.059, 0.028))
     yaws = (1.2, 0.1, -0.8, 0.8)
     parts = tuple(lying(cell, *place, yaw) for place, yaw in zip(places, yaws, strict=True))
-    heaps = World(cell, parts).part_ways.heaps
+    heaps = World(cell, parts).part_ways.heaps(cell.policy.pair_gap)
     assert heaps[1] == heaps[3] and len(set(heaps)) == 3
     return parts
 

@@ -74,14 +74,11 @@ def test_parts_apart_have_the_gap_between_them(cell):
 
 def test_parts_that_touch_are_of_one_heap_also_through_others(cell):
     row = tuple(lying(cell, y) for y in (-0.1, -0.0605, 0.1, -0.021))
-    close, none = (
-        World(replace(cell, policy=replace(cell.policy, pair_gap=gap)), row).part_ways
-        for gap in (0.002, 0.0)
-    )
-    assert close.gap(0, 3) > 0.03
-    first, second, alone, third = close.heaps
+    found = World(cell, row).part_ways
+    assert found.gap(0, 3) > 0.03
+    first, second, alone, third = found.heaps(0.002)
     assert first == second == third != alone
-    assert len(set(none.heaps)) == 4
+    assert len(set(found.heaps(0.0))) == 4
 
 
 @pytest.mark.parametrize("length", [0.0, 0.0005])

@@ -232,7 +232,8 @@ def _next(
         )
 
     whole = USUALLY if cell.stations else 1.0
-    heaps = World(cell, scene.detections, scene.obstacles).part_ways.heaps
+    world = World(cell, scene.detections, scene.obstacles)
+    heaps = world.part_ways.heaps(cell.policy.pair_gap)
     heaped = {number for number, heap in enumerate(heaps) if heaps.count(heap) > 1}
     result: PlanResult | None = None
     if not is_last and heaped and len(heaped | set(avoided)) < len(heaps):

@@ -8,8 +8,11 @@ from workbench.model.cell import LIFT_NAMES, Policy
 LEAST_AIR = 0.0015
 """[m] Left on each side of a part where fingers arrive as open as there is room."""
 
+HEAP_GAP = 0.01
+"""[m] Parts nearer to each other than this are of one heap, of which a plan takes one."""
+
 POLICIES: Mapping[str, Policy] = {
-    "thorough": Policy(lifts=LIFT_NAMES, least_air=LEAST_AIR, pair_gap=0.01),
+    "thorough": Policy(lifts=LIFT_NAMES, least_air=LEAST_AIR, pair_gap=HEAP_GAP),
     "as-needed": Policy(),
     "quick": Policy(as_needed=False),
 }
@@ -18,7 +21,11 @@ where no plan comes out otherwise; or never so, but with the usual lift and as g
 
 
 def widened(policy: Policy) -> Policy:
-    """The policy with all lifts, its own first, and fingers as open as there is room."""
+    """The policy with all lifts, its own first, fingers as open as there is room, and heaps.
+
+    It is for parts that lie close: of a heap a plan takes one.
+    """
     others = tuple(name for name in LIFT_NAMES if name not in policy.lifts)
     air = LEAST_AIR if policy.least_air is None else policy.least_air
-    return replace(policy, lifts=(*policy.lifts, *others), least_air=air)
+    gap = policy.pair_gap or HEAP_GAP
+    return replace(policy, lifts=(*policy.lifts, *others), least_air=air, pair_gap=gap)

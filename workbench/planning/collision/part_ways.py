@@ -6,7 +6,7 @@ grasp has to be tried.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import combinations, product
 from typing import NamedTuple
 
@@ -118,6 +118,7 @@ class PartWays:
         self._around: dict[int, Around] = {}
         self._known: dict[tuple[int, bytes], tuple[str, float] | None] = {}
         self._caught: dict[tuple[int, bytes], Caught | None] = {}
+        self._heaps: dict[float, list[int]] = {}
         self._turns: dict[int, _Turns | None] = {}
         self._against: dict[int, list[Against]] = {}
         self._first: dict[tuple[int, bytes], tuple[float, bool]] = {}
@@ -351,14 +352,14 @@ class PartWays:
         )
         return min(moved_distance(a, b, np.zeros(3)) for a in mine for b in theirs)
 
-    @cached_property
-    def heaps(self) -> list[int]:
-        """For each part the number of its heap: of one are parts nearer than `pair_gap`.
+    def heaps(self, gap: float) -> list[int]:
+        """For each part the number of its heap: of one are parts nearer than `gap` [m].
 
         When a part is taken, others of its heap may move, also those that it does not touch itself.
-        Where the policy asks for none each is a heap of its own.
+        With 0 each is a heap of its own.
         """
-        gap = self._cell.policy.pair_gap
+        if gap in self._heaps:
+            return self._heaps[gap]
         heap = list(range(len(self._detections)))
         if gap <= 0:
             return heap
@@ -376,6 +377,7 @@ class PartWays:
             if self.gap(first, second) < gap:
                 old, new = heap[second], heap[first]
                 heap = [new if number == old else number for number in heap]
+        self._heaps[gap] = heap
         return heap
 
 

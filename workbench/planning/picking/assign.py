@@ -66,7 +66,7 @@ def has_enough_picks(
     if len(world.cell.arms) < 2 or not picks:
         return bool(picks)
     heap, at = (
-        world.part_ways.heaps,
+        world.part_ways.heaps(world.policy.pair_gap),
         [detection.T_world_part.translation for detection in world.detections],
     )
     apart = [
@@ -321,7 +321,7 @@ def _of_several_heaps(world: World) -> Callable[[Sequence[Pick]], bool]:
 
     Parts nearer to each other than the policy's `pair_gap` are of one heap.
     """
-    heap = world.part_ways.heaps
+    heap = world.part_ways.heaps(world.policy.pair_gap)
     return lambda picks: len({heap[p.candidate.detection] for p in picks}) == len(picks)
 
 
