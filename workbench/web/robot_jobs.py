@@ -10,7 +10,12 @@ from workbench.app.core.cell.bins import ChooseBin, NewBin, bin_numbered
 from workbench.app.core.cell.kits import NewKit, kit_problem
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
-from workbench.app.core.cycle.arm_scanner import path_problem, standing_joints, view_problem
+from workbench.app.core.cycle.arm_scanner import (
+    path_problem,
+    path_start,
+    standing_joints,
+    view_problem,
+)
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
@@ -25,6 +30,7 @@ from workbench.devices.pick_server.lines import BadLine, Request, read_whole
 from workbench.devices.pick_server.link import PickServer
 from workbench.devices.pick_server.options import form_of
 from workbench.model.errors import CommandRefused
+from workbench.model.robot import HOME, ArmScanner
 from workbench.plugins.robot_link import link_named
 
 ACTOR = "robot program"
@@ -76,8 +82,8 @@ class BenchDesk:
                     return self._choose_bin(state, _whole(request, 9999, 1))
                 case "new-bin":
                     return self._new_bin(state, _whole(request, 9999, 1))
-                case "view":
-                    return self._view(state, request.words)
+                case "view" | "home" as goal:
+                    return self._path(state, request.words, goal)
                 case "stop":
                     self._begun = ""
                     if state.phase is Phase.SENDING:
@@ -129,32 +135,35 @@ class BenchDesk:
             case _:
                 return "NO", "find"
 
-    def _view(self, state: State, words: Words) -> Words:
-        """The joints of the view; or, asked with joints, the path there, which `next` gives."""
+    def _path(self, state: State, words: Words, goal: str) -> Words:
+        """The joints of view or home; or, asked with joints, the path there, which `next` gives."""
         cell, carrier = state.cell, state.cell.scanner.on_arm
         if carrier is None:
             return "NO", "view"
         axes = axis_words(cell, form_of(cell))
+        is_back = goal == HOME
         if not words:
-            return ("OK", *axes.format(carrier.view.q))
+            return ("OK", *axes.format(carrier.home if is_back else carrier.view.q))
         joints = cell.joint_values({carrier.arm: axes.read(words, in_motion=False)})
-        if view_problem(cell, joints) is None:
-            return "OK", "view"
+        stands_at_home = path_start(cell, carrier, joints) == HOME
+        if stands_at_home if is_back else view_problem(cell, joints) is None:
+            return "OK", goal
         if state.job is not None:
             return "WAIT", "plan"
-        if state.phase in (Phase.PLANNED, Phase.APPROVED) and _is_to_view(state):
+        if state.phase in (Phase.PLANNED, Phase.APPROVED) and _leads(state, carrier, goal):
             self._begun = ""
             return "WAIT", "approval"
-        if path_problem(cell, carrier, joints) is not None:
-            return "NO", "home"
-        if self._begun == "view":
+        view = HOME if is_back else carrier.view.name
+        if path_problem(cell, carrier, joints, view) is not None:
+            return "NO", "view" if is_back else "home"
+        if self._begun == goal:
             self._begun = ""
             return "NO", "plan"
         # What the robot program has just reported may be on its way to the bench.
         reported = standing_joints(cell, self._bench.live.joints)
-        if path_problem(cell, carrier, reported) is None:
-            self._do(PlanView(carrier.view.name, state.number))
-            self._begun = "view"
+        if path_problem(cell, carrier, reported, view) is None:
+            self._do(PlanView(view, state.number))
+            self._begun = goal
         return "WAIT", "plan"
 
     def _choose_bin(self, state: State, number: int) -> Words:
@@ -198,10 +207,12 @@ def robot_jobs(bench: Bench) -> Generator[None]:
         yield
 
 
-def _is_to_view(state: State) -> bool:
-    """Whether a proven plan takes the scanner to its view."""
-    holds = state.proof is not None and state.proof.holds
-    return holds and state.plan is not None and state.plan.is_view_plan
+def _leads(state: State, carrier: ArmScanner, goal: str) -> bool:
+    """Whether a proven plan takes the scanner to its view, or home."""
+    plan, holds = state.plan, state.proof is not None and state.proof.holds
+    if not holds or plan is None or not plan.is_view_plan:
+        return False
+    return carrier.leads_home(plan.arms[0].legs[0].q) == (goal == HOME)
 
 
 def _is_unapproved(state: State) -> bool:

@@ -1,7 +1,5 @@
 """A part alone on its way out of the bin."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 

@@ -207,7 +207,8 @@ class PickConversation:
         if request.job in ("leg", "point", "done", "pose", "picked", "placed", "failed"):
             return "NO", "plan"
         is_reported = request.words or not self.sends_poses
-        if (request.job == "next" and is_reported) or (request.job == "view" and request.words):
+        is_on_a_path = request.job in ("view", "home") and request.words
+        if (request.job == "next" and is_reported) or is_on_a_path:
             self._report_at_rest(request.words)
         return self.desk.answer(request)
 

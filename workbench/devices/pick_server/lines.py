@@ -24,6 +24,7 @@ JOBS: Final = ("hello", "scan", "find", "next", "leg", "point", "done", "picked"
     "pose",
     "kit",
     "new-bin",
+    "home",
 )
 """Jobs by name; the place of each is its number."""
 

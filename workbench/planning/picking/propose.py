@@ -32,7 +32,7 @@ HandsLooked = Callable[[int, int], object]
 ENOUGH = 2
 """Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
 
-ROUNDS = ((0, 3), (3, 10))
+ROUNDS = ((0, 3), (3, 10), (10, 40))
 """How many grips of a part were proposed before each round of a search, and are then: most parts
 that come out do so by one of a few."""
 
