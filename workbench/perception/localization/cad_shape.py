@@ -21,6 +21,7 @@ from workbench.perception.localization.cad_scale import (
 from workbench.perception.localization.choice import Choice, Hypothesis
 from workbench.perception.localization.floor_contact import agree, shown_offsets, shown_scales
 from workbench.perception.localization.judging import JudgedChoice, PartSearch
+from workbench.perception.localization.loosening import measure_explained
 from workbench.perception.localization.settling import refine_poses
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import closeness, look, tally
@@ -58,6 +59,9 @@ LEAST_CLOSE = 0.97
 """The scan must meet the changed surface this well at least, over the CAD file: some cameras see
 outlines too small, some too large."""
 
+LEAST_EXPLAINED = 0.5
+"""Share of what lies in the bin that parts of a changed surface must explain."""
+
 Compete = Callable[[Sequence[PartSearch], Sequence[list[Hypothesis]]], None]
 """Takes the hypotheses of each kind that hold together."""
 
@@ -79,7 +83,9 @@ def allow_changes(found: list[PartSearch], compete: Compete) -> list[PartSearch]
     compete(
         changed, [_again(search, before) for search, before in zip(changed, found, strict=True)]
     )
-    return changed
+    # Changed far enough, a part fits on many others: it must explain most of what lies there.
+    least = max(LEAST_EXPLAINED, measure_explained(found))
+    return changed if measure_explained(changed) >= least else found
 
 
 def report_shape(
@@ -102,7 +108,7 @@ def report_shape(
     if not search.is_loose and search.grown == 0.0 and search.scaled == 1.0:
         shown = agree(shown_offsets(search, poses), SAME_OFFSET, FEWEST)
         if shown is not None and abs(shown.value) > REPORTED:
-            changed = find_change(search, np.array(poses[:MOST_TRIED]))
+            changed = find_change(search, np.array(poses[:MOST_TRIED]), REPORTED)
             if changed is not search:
                 moved = _stay(changed, np.array(poses))
                 search, standing = fit_to_surface(changed, standing, moved)
@@ -142,19 +148,23 @@ def _changed(search: PartSearch) -> PartSearch:
     offsets = shown_offsets(search, poses)
     if len(offsets) < FEWEST_TRIED or abs(np.median(offsets)) < NOTICED * search.tolerance:
         return search
-    return find_change(search, poses)
+    return find_change(search, poses, NOTICED * search.tolerance)
 
 
-def find_change(search: PartSearch, poses: Floats) -> PartSearch:
+def find_change(search: PartSearch, poses: Floats, least: float) -> PartSearch:
     """The search with a grown or resized surface, if poses (k, 4, 4) [m] show one; else as it is.
 
     Args:
         search: for the part as its CAD file has it.
         poses: each fitted to what is seen, in the scanner's frame.
+        least: [m] by which the surface has to move somewhere.
     """
     best, close = search, LEAST_CLOSE * _closeness(search, _rested(search, poses))
     for trial in (_grown(search, poses), _scaled(search, poses)):
         if trial is None:
+            continue
+        larger = abs(trial.scaled - 1.0) * search.surface.diameter / 2
+        if max(abs(trial.grown), larger) < least:
             continue
         now = _closeness(trial, _rested(trial, poses))
         if now > close:
