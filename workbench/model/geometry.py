@@ -197,3 +197,36 @@ def finest(solids: Iterable[Solid]) -> tuple[Solid, ...]:
         for solid in solids
         for shape in pieces_of(solid.shape)
     )
+
+
+FLAT_CORNER = 0.2
+"""Of a corner's largest: below this share of it faces around a corner count as in one plane, here
+those of round things: small errors of their normals would move it far."""
+
+NORMAL_DIGITS = 4
+"""By which normals are those of one face."""
+
+
+def outwards(vertices: Floats, triangles: Ints, level: float = FLAT_CORNER) -> Floats:
+    """How vertices (n, 3) [m] move while all faces move outwards by one metre, (n, 3), no unit.
+
+    Args:
+        vertices: each place once, or the surface has gaps there.
+        triangles: (m, 3) their indices.
+        level: see `FLAT_CORNER`; less for exact meshes.
+    """
+    corners = vertices[triangles]
+    crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(crossed, axis=1)
+    around: list[list[Floats]] = [[] for _ in vertices]
+    for triangle, normal, length in zip(triangles, crossed, lengths, strict=True):
+        for number in triangle if length > 0 else ():
+            around[number].append(normal / length)
+    moves = np.zeros((len(vertices), 3))
+    for number, normals in enumerate(around):
+        if normals:
+            # The corner of faces that have moved: along each of their normals by the same distance,
+            # however many triangles a face has.
+            faces = np.unique(np.round(normals, NORMAL_DIGITS), axis=0)
+            moves[number] = np.linalg.lstsq(faces, np.ones(len(faces)), rcond=level)[0]
+    return moves

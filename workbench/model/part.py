@@ -315,8 +315,9 @@ class Part(Shared, FactsRepr):
     """A part: its surface, convex solids for collision and physics, symmetry and grasps.
 
     `grasps` are those of the library and what the symmetry makes of them, no grip twice.
-    `friction`, no unit, is that against what holds it, None where it is not stated.  `colours`
-    (m, 3) of the mesh's triangles, 0 to 255 in sRGB, decide where shape leaves kind or turn open.
+    `friction`, no unit, is that against what holds it, `tolerance` [m] how far its surface may lie
+    off the mesh; None where nobody says it.  `colours` (m, 3) of the mesh's triangles, 0 to 255 in
+    sRGB, decide where shape leaves kind or turn open.
     """
 
     name: str
@@ -327,19 +328,18 @@ class Part(Shared, FactsRepr):
     library: GraspLibrary
     friction: float | None = field(default_factory=lambda: None, metadata=LATER)
     colours: np.ndarray | None = field(default_factory=lambda: None, metadata=LATER)
+    tolerance: float | None = field(default_factory=lambda: None, metadata=LATER)
     digest: str = field(init=False, repr=False)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
     def __post_init__(self) -> None:
         if self.colours is not None:
-            if np.shape(self.colours) != self.mesh.triangles.shape:
-                raise InputError(
-                    CellText.TRIANGLE_COLOURS(
-                        part=self.name,
-                        triangles=len(self.mesh.triangles),
-                        shape=str(np.shape(self.colours)),
-                    )
+            shape, triangles = np.shape(self.colours), self.mesh.triangles
+            if shape != triangles.shape:
+                says = CellText.TRIANGLE_COLOURS(
+                    part=self.name, triangles=len(triangles), shape=str(shape)
                 )
+                raise InputError(says)
             put(self, colours=frozen(self.colours, np.uint8))
         put(self, digest=digest_of(self), grasps=with_symmetry(self.library, self.symmetry))
 

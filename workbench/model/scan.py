@@ -196,8 +196,9 @@ class RejectedHypothesis:
         return ObjectionText.OF_PART(objection=objection, part=FoundPart(self.rival))
 
 
-OFF_SCALE, OFF_BY = 0.005, 3.0
-"""A size is wrong that differs by more than this share, and by this many standard deviations."""
+OFF_SCALE, OFF_SURFACE, OFF_BY = 0.005, 0.0003, 3.0
+"""A size is wrong that differs by more than this share, a surface that lies off by more than this
+distance [m]; both also by this many standard deviations."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,16 +228,44 @@ class ScaleCheck:
         return text(part=self.part, share=f"{abs(share) * 100:.1f}")
 
 
+@dataclass(frozen=True, slots=True)
+class OffsetCheck:
+    """How far the surface of a kind of part lies outside of its CAD file in a scan.
+
+    `offset` [m] is negative where it lies inside, `deviation` [m]; `count` parts found show it.
+    """
+
+    part: str
+    offset: float
+    deviation: float
+    count: int
+
+    @property
+    def is_off(self) -> bool:
+        """Whether the surface lies off by more than what noise explains."""
+        return abs(self.offset) > max(OFF_SURFACE, OFF_BY * self.deviation)
+
+    @property
+    def words(self) -> Message | None:
+        """What is wrong, as a person reads it; None when nothing is."""
+        if not self.is_off:
+            return None
+        text = ScaleText.OUTSIDE if self.offset > 0 else ScaleText.INSIDE
+        return text(part=self.part, distance=abs(self.offset))
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LocalizationResult(FactsRepr):
     """What a search brought: the parts, best first, and the best of what was rejected.
 
-    `scales` are of those kinds of which enough is seen to tell their size.
+    `scales` are of those kinds of which enough is seen to tell their size, `offsets` of those with
+    a surface that lies off.
     """
 
     detections: tuple[Detection, ...]
     rejected: tuple[RejectedHypothesis, ...] = ()
     scales: tuple[ScaleCheck, ...] = ()
+    offsets: tuple[OffsetCheck, ...] = ()
 
     @property
     def facts(self) -> Mapping[str, object]:

@@ -10,7 +10,7 @@ from workbench.app.runtime.work import find_parts
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.scan import Detection
-from workbench.perception.localization.pose_error import pose_error
+from workbench.perception.matching.pose_error import pose_error
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, never, silent
 from workbench.studies.localization import NEAR, TURNED

@@ -17,8 +17,8 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Part
-from workbench.model.scan import ALL_KINDS, Detection, ScaleCheck
-from workbench.perception.localization.pose_error import (
+from workbench.model.scan import ALL_KINDS, Detection, OffsetCheck, ScaleCheck
+from workbench.perception.matching.pose_error import (
     mahalanobis_squared,
     mssd,
     pose_error,
@@ -124,8 +124,8 @@ class Scene:
     """What came of a task: `visible` and `is_found` of each true part, and the time [s].
 
     `processor_seconds` are those of the search's own thread, so all of them only where numba has
-    one (`NUMBA_NUM_THREADS=1`).  `bop` is what BOP goes by, `scales` what the
-    search says of the size of the CAD files.
+    one (`NUMBA_NUM_THREADS=1`).  `bop` is what BOP goes by, `scales` and `offsets` what the
+    search says of the CAD files.
     """
 
     task: Task
@@ -136,6 +136,7 @@ class Scene:
     bop: Judged = field(default_factory=lambda: Judged((), ()))
     scales: tuple[ScaleCheck, ...] = ()
     processor_seconds: float = 0.0
+    offsets: tuple[OffsetCheck, ...] = ()
 
 
 def localized_scene(task: Task) -> Scene:
@@ -171,7 +172,10 @@ def localized_scene(task: Task) -> Scene:
         ),
         tuple((detection.part, share) for detection, share in zip(there, visible, strict=True)),
     )
-    return Scene(task, found, visible, is_found, seconds, bop, result.scales, processor_seconds)
+    return Scene(
+        task, found, visible, is_found, seconds, bop, result.scales, processor_seconds,
+        result.offsets,
+    )  # fmt: skip
 
 
 def _errors(

@@ -17,7 +17,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.part import TURNED, Part, PartPlace
 from workbench.model.scan import Detection
-from workbench.perception.localization.pose_error import pose_error
+from workbench.perception.matching.pose_error import pose_error
 from workbench.perception.simulation.gripping import Gripping, HeldPart, Shaking
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize

@@ -10,7 +10,7 @@ from workbench.cli.main import main
 from workbench.cli.measuring import scans as measuring
 from workbench.cli.picking import look
 from workbench.formats.cells.reading import read_cell
-from workbench.model.scan import Detection, LocalizationResult, ScaleCheck
+from workbench.model.scan import Detection, LocalizationResult, OffsetCheck, ScaleCheck
 from workbench.studies import scans
 
 
@@ -31,6 +31,19 @@ def test_a_cad_file_of_another_size_is_said_to_be_one(monkeypatch, scan, tmp_pat
     wanted = "the CAD file of bolt seems 3.1% too large for the scan"
     assert f"size: {wanted} (± 0.2 %, by 4 parts)" in said
     assert "--scale bolt=0.97" in said
+    assert "bracket" not in said
+
+
+def test_a_surface_that_lies_off_is_said_to(monkeypatch, scan, tmp_path, capsys):
+    offsets = (OffsetCheck("bolt", -0.002, 0.0001, 4), OffsetCheck("bracket", 0.0001, 0.0001, 5))
+    found = LocalizationResult((), offsets=offsets)
+    monkeypatch.setattr(look, "find_parts", lambda *_, **__: found)
+    monkeypatch.setattr(look, "make_ready", lambda *_: True)
+    words = ["--scan", str(scan), "--out", str(tmp_path / "poses.json")]
+    assert main(["localize", "yumi", *words]) == 0
+    said = capsys.readouterr().out
+    wanted = "the surface of bolt seems to lie 2.0 mm inside of its CAD file"
+    assert f"surface: {wanted} (± 0.1 mm, by 4 parts)" in said and "--learn" in said
     assert "bracket" not in said
 
 

@@ -11,9 +11,9 @@ from workbench.cli.picking import look
 from workbench.cli.picking.sizes import learn_sizes
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
-from workbench.formats.parts.scales import change_scale
+from workbench.formats.parts.scales import change_offset, change_scale
 from workbench.model.errors import FileError
-from workbench.model.scan import LocalizationResult, ScaleCheck
+from workbench.model.scan import LocalizationResult, OffsetCheck, ScaleCheck
 
 SHIPPED = Path(__file__).parents[3] / "parts" / "bracket"
 
@@ -84,6 +84,44 @@ def test_a_scale_that_can_only_be_a_wrong_unit_is_refused(bracket):
     assert "scale" not in (bracket / "part.toml").read_text()
 
 
+def test_a_surface_lies_as_far_out_as_the_file_says_and_its_bodies_hold_it(bracket):
+    before = read_part(bracket)
+    assert change_offset(bracket, 0.001) == 0.001
+    assert change_offset(bracket, 0.0004) == pytest.approx(0.0014)
+    after = read_part(bracket)
+    assert length(after) == pytest.approx(length(before) + 0.0028, abs=1e-6)
+    assert after.pieces[0].shape.size == pytest.approx(before.pieces[0].shape.size + 0.0028)
+    assert after.digest != before.digest and after.tolerance is None
+
+
+def test_bodies_of_a_thinner_part_stay_as_they_are(bracket):
+    before = read_part(bracket)
+    change_offset(bracket, -0.001)
+    after = read_part(bracket)
+    assert (length(after) < length(before) - 0.001).all()
+    assert after.pieces[0].shape.size == pytest.approx(before.pieces[0].shape.size)
+
+
+@pytest.mark.parametrize("name", ["bracket", "keyed_cylinder", "bolt"])
+def test_bodies_are_larger_by_the_tolerance_that_a_part_states(tmp_path, name):
+    folder = tmp_path / name
+    shutil.copytree(SHIPPED.parent / name, folder)
+    before = read_part(folder)
+    file = folder / "part.toml"
+    file.write_text(file.read_text().replace("[mesh]\n", "[mesh]\ntolerance_mm = 1.5\n"))
+    after = read_part(folder)
+    assert after.tolerance == pytest.approx(0.0015)
+    assert after.mesh.points == pytest.approx(before.mesh.points)
+    for one, other in zip(before.pieces, after.pieces, strict=True):
+        assert other.reach >= one.reach + 0.0014
+
+
+def test_an_offset_that_can_only_be_another_part_is_refused(bracket):
+    with pytest.raises(FileError, match="another part"):
+        change_offset(bracket, 0.012)
+    assert "offset" not in (bracket / "part.toml").read_text()
+
+
 def test_what_is_learnt_is_written_with_the_part(monkeypatch, bracket, tmp_path, capsys):
     cell = tmp_path / "cell"
     shutil.copytree(SHIPPED.parents[1] / "robots" / "yumi", cell)
@@ -98,6 +136,11 @@ def test_what_is_learnt_is_written_with_the_part(monkeypatch, bracket, tmp_path,
     assert main(["localize", str(file), *words]) == 0
     assert "scale = 0.95 is written" in capsys.readouterr().out
     assert length(read_part(bracket)) == pytest.approx(0.95 * length(read_part(SHIPPED)))
+    off = LocalizationResult((), offsets=(OffsetCheck("bracket", -0.001, 0.0001, 4),))
+    monkeypatch.setattr(look, "find_parts", lambda *_, **__: off)
+    assert main(["localize", str(file), *words]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "offset_mm = -1 is written" in said and "does not show" not in said
     monkeypatch.setattr(look, "find_parts", lambda *_, **__: LocalizationResult(()))
     assert main(["localize", str(file), *words]) == 0
     assert "this scan does not show its size" in capsys.readouterr().out

@@ -7,7 +7,7 @@ import pytest
 from painted_parts import BLACK, BLUE, GREEN, GREY, RED, WHITE, cube, rod
 
 from workbench.model.scan import ALL_KINDS, Objection
-from workbench.perception.localization.pose_error import pose_error
+from workbench.perception.matching.pose_error import pose_error
 from workbench.perception.simulation.colouring import Light
 from workbench.perception.simulation.piles import drop_parts, pile_of
 from workbench.perception.simulation.synthesize import synthesize

@@ -14,7 +14,7 @@ from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry, SymmetryAxis
 from workbench.perception.localization.certainty import count_shared, probability_of
-from workbench.perception.localization.pose_error import mahalanobis_squared
+from workbench.perception.matching.pose_error import mahalanobis_squared
 from workbench.perception.matching.sightings import Sighting
 from workbench.perception.simulation.noise_models import NOISE_MODELS
 from workbench.perception.simulation.piles import drop_parts

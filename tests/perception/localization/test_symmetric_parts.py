@@ -14,7 +14,7 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh, Solid
 from workbench.model.scan import ALL_KINDS
 from workbench.model.symmetry import Symmetry, SymmetryAxis
-from workbench.perception.localization.pose_error import pose_error
+from workbench.perception.matching.pose_error import pose_error
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 

@@ -9,7 +9,7 @@ import pytest
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.symmetry import Symmetry, SymmetryAxis
-from workbench.perception.localization.pose_error import mssd as mssd_of_part
+from workbench.perception.matching.pose_error import mssd as mssd_of_part
 from workbench.studies.bop.pose_errors import Shape, mspd, mssd, pose_errors, shape_of
 from workbench.studies.bop.precision import (
     THRESHOLDS,

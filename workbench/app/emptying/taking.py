@@ -10,7 +10,7 @@ from workbench.model.cell import Cell, Policy
 from workbench.model.part import Grasp
 from workbench.model.plan import ArmPlan, LegName, Plan
 from workbench.model.scan import Detection
-from workbench.perception.localization.pose_error import pose_error
+from workbench.perception.matching.pose_error import pose_error
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World

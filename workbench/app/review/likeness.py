@@ -17,7 +17,7 @@ from workbench.model.messages.message import plain
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.prediction import EmptiedPile, Emptying
 from workbench.model.scan import Detection, Scan
-from workbench.perception.localization.pose_error import pose_error
+from workbench.perception.matching.pose_error import pose_error
 from workbench.proof.claims.prove import prove
 
 OTHER_STEP = float(np.deg2rad(0.015))

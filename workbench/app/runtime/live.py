@@ -51,7 +51,8 @@ class Live:
         """What the search that brought these detections says of CAD files of a wrong size."""
         if self.findings is None or self.findings.detections is not detections:
             return ()
-        return tuple(scale.words for scale in self.findings.scales if scale.words is not None)
+        checks = (*self.findings.scales, *self.findings.offsets)
+        return tuple(check.words for check in checks if check.words is not None)
 
     def progress_of(self, job: int) -> tuple[float, Message | str]:
         """Share done and note of the job with that number, or of what it waits for."""

@@ -108,7 +108,8 @@ class Localize:
     scale: tuple[str, ...] = ()
     """Parts that are larger or smaller than their CAD files, each PART=SIZE: pipe=0.92."""
     learn: bool = False
-    """Search until the sizes fit the scan, and write them as `scale` into each part.toml."""
+    """Search until the sizes fit the scan, and write them as `scale` into each part.toml. A surface
+    that lies off the CAD file is written as `offset_mm`."""
     overlay: Maybe[Path] = None
     """PNG file to write: the scan as its scanner sees it, with what was found drawn over it."""
 

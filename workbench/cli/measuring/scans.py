@@ -48,6 +48,9 @@ def study_scans(typed: StudyScans) -> int:
         for size in searched.result.scales:
             if size.is_off:
                 print(f"{searched.name}: {size.words} (± {size.deviation * 100:.1f} %)")
+        for surface in searched.result.offsets:
+            if surface.is_off:
+                print(f"{searched.name}: {surface.words} (± {surface.deviation * 1000:.1f} mm)")
     return SUCCESS
 
 

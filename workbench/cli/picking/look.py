@@ -1,6 +1,6 @@
 """`workbench scan` and `workbench localize`: from a bin to a cloud, from a cloud to poses."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from workbench.model.scan import (
     Detection,
     LocalizationResult,
     RejectedHypothesis,
-    ScaleCheck,
     SearchOverrides,
 )
 from workbench.perception.scene.bin_check import check_bin
@@ -92,7 +91,7 @@ def localize(typed: arguments.Localize) -> int:
         print_table(
             "Rejected", columns, [_rejected_words(rejection) for rejection in findings.rejected]
         )
-    _report_sizes(typed, findings.scales, sizes)
+    _report_sizes(typed, findings, sizes)
     noise = sensor_model(cloud.points).noise
     if noise is not None:
         print(f"scanner: noise of {noise * 1000:.2f} mm at 1 m in this scan")
@@ -102,21 +101,26 @@ def localize(typed: arguments.Localize) -> int:
 
 
 def _report_sizes(
-    typed: arguments.Localize, checks: Sequence[ScaleCheck], sizes: Mapping[str, float]
+    typed: arguments.Localize, findings: LocalizationResult, sizes: Mapping[str, float]
 ) -> None:
-    """Print sizes that differ from the CAD files, or write them into the parts."""
+    """Print what differs from the CAD files, or write it into the parts."""
     if typed.learn:
-        by_part = {check.part: check for check in checks}
-        for line in store_sizes(cell_path(typed.cell), sizes, by_part):
+        for line in store_sizes(cell_path(typed.cell), sizes, findings):
             print(line)
         return
-    for check in checks:
+    for check in findings.scales:
         if check.is_off:
             size = sizes.get(check.part, 1.0) * check.ratio
             print(
                 f"size: {check.words} (± {check.deviation * 100:.1f} %, by {check.count} parts); "
                 f"with that size: --scale {check.part}={size:.2f}; "
                 "--learn writes it into the part"
+            )
+    for check in findings.offsets:
+        if check.is_off:
+            print(
+                f"surface: {check.words} (± {check.deviation * 1000:.1f} mm, by {check.count} "
+                "parts); the poses allow for it; --learn writes it into the part"
             )
 
 

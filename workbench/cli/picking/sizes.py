@@ -5,10 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from workbench.formats.cells.reading import part_folders
-from workbench.formats.parts.scales import change_scale
+from workbench.formats.parts.scales import change_offset, change_scale
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
-from workbench.model.scan import LocalizationResult, ScaleCheck
+from workbench.model.scan import LocalizationResult
 from workbench.perception.parts.sizing import sized
 
 LEAST_SIZE, LARGEST_SIZE = 0.5, 2.0
@@ -74,14 +74,14 @@ def learn_sizes(
 
 
 def store_sizes(
-    cell_file: Path, sizes: Mapping[str, float], checks: Mapping[str, ScaleCheck]
+    cell_file: Path, sizes: Mapping[str, float], findings: LocalizationResult
 ) -> list[str]:
-    """Write the sizes into the `part.toml` of each part.
+    """Write sizes, and how far surfaces lie off, into the `part.toml` of each part.
 
     Args:
         cell_file: of the cell.
         sizes: of the cell's parts, over those that are written there, no unit.
-        checks: what the scan shows of them, by part.
+        findings: what the scan shows of parts of these sizes.
 
     Returns:
         A line for each part of the cell.
@@ -91,13 +91,23 @@ def store_sizes(
     """
     folders = part_folders(cell_file)
     lines: list[str] = []
+    checks = {check.part: check for check in findings.scales}
+    offsets = {check.part: check.offset for check in findings.offsets if check.is_off}
     for name, size in sizes.items():
+        if name in offsets:
+            offset = change_offset(folders[name], offsets[name])
+            lines.append(
+                f"{name}: offset_mm = {offset * 1000:g} is written into "
+                f"{folders[name] / 'part.toml'}; search, bodies for distances and new grasps use it"
+            )
         if size != 1.0:
             scale = change_scale(folders[name], size)
             lines.append(
                 f"{name}: scale = {scale:g} is written into {folders[name] / 'part.toml'}; search, "
                 "bodies for distances and new grasps use it"
             )
+        elif name in offsets:
+            continue
         elif name in checks:
             lines.append(
                 f"{name}: its size is as written, within {checks[name].deviation * 100:.1f} %"

@@ -11,7 +11,15 @@ from workbench.formats.files.toml_keys import MISSING, Table, quote, read_toml
 from workbench.formats.meshes.face_colours import read_face_colours
 from workbench.formats.meshes.pieces.convex_pieces import groups_of, pieces_of
 from workbench.formats.meshes.solids import read_mesh_entry, read_solid
-from workbench.formats.parts.scales import LEAST_SCALE, MOST_SCALE, scale_mesh, scale_solid
+from workbench.formats.parts.scales import (
+    LEAST_SCALE,
+    MOST_OFFSET,
+    MOST_SCALE,
+    grow_mesh,
+    grow_solid,
+    scale_mesh,
+    scale_solid,
+)
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats, Mesh, Solid
 from workbench.model.part import TURNED, Entry, Grasp, GraspLibrary, GraspPair, GraspPattern, Part
@@ -60,14 +68,21 @@ def read_part(name: str | Path) -> Part:
     if mesh_table.flag("use_colours", False):
         colours = read_face_colours(path.parent / mesh_table.text("file"), len(mesh.triangles))
     scale = mesh_table.number("scale", 1.0, low=LEAST_SCALE, high=MOST_SCALE)
+    offset = mesh_table.number("offset_mm", 0.0, low=-MOST_OFFSET, high=MOST_OFFSET) / 1000
+    stated = mesh_table.has("tolerance_mm")
+    off = mesh_table.number("tolerance_mm", 0.0, low=0.0, high=MOST_OFFSET) / 1000
     mesh_table.finish()
     symmetry = _symmetry(table.table("symmetry")) if table.has("symmetry") else Symmetry()
     fixed = np.array(symmetry.point)
-    mesh = scale_mesh(mesh, scale, fixed)
+    mesh = grow_mesh(scale_mesh(mesh, scale, fixed), offset)
     pieces = tuple(scale_solid(read_solid(piece), scale, fixed) for piece in table.tables("piece"))
     tolerance = table.number("tolerance_mm", tolerance_of(mesh) * 1000, low=0.01, high=100) / 1000
+    # Bodies of a smaller part stay as they are: shrunk ones would no longer meet each other.
+    room = off + (max(offset, 0.0) if pieces else 0.0)
     if not pieces:
         pieces = _pieces(table, mesh, tolerance)
+    if room > 0.0:
+        pieces = tuple(grow_solid(piece, room) for piece in pieces)
     table.finish()
     grasps = path.parent / "grasps.toml"
     library = read_grasps(grasps) if grasps.is_file() else GraspLibrary()
@@ -78,7 +93,10 @@ def read_part(name: str | Path) -> Part:
             f"stands for {count:,} grasps with the symmetry written out; {MOST_GRASPS:,} are "
             "allowed",
         )
-    return Part(part_name, mesh, pieces, mass, symmetry, library, friction, colours)
+    return Part(
+        part_name, mesh, pieces, mass, symmetry, library, friction, colours,
+        off if stated else None,
+    )  # fmt: skip
 
 
 def tolerance_of(mesh: Mesh) -> float:

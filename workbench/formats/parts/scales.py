@@ -1,4 +1,4 @@
-"""The size of a part over its CAD file: applied to its mesh and bodies, and written beside them."""
+"""A part's size over its CAD file, and how far off it its surface lies: applied, and written."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,12 +11,15 @@ import tomlkit
 from workbench.formats.files.toml_documents import read_document, short
 from workbench.formats.files.whole_files import write_whole
 from workbench.model.errors import FileError
-from workbench.model.geometry import Box, Floats, Mesh, Solid, Sphere
+from workbench.model.geometry import Box, Capsule, Floats, Mesh, Solid, Sphere, outwards
 
 LEAST_SCALE, MOST_SCALE = 0.5, 2.0
 """Of a part over its CAD file, about what its symmetry leaves in its place."""
 
-DIGITS = 4
+MOST_OFFSET = 10.0
+"""[mm] By which the surface may lie outside or inside of the CAD file."""
+
+DIGITS, OFFSET_DIGITS = 4, 2
 
 
 def scale_mesh(mesh: Mesh, scale: float, fixed: Floats) -> Mesh:
@@ -44,6 +47,34 @@ def scale_solid(solid: Solid, scale: float, fixed: Floats) -> Solid:
     return replace(solid, shape=shape, T_owner_shape=moved)
 
 
+def grow_mesh(mesh: Mesh, by: float) -> Mesh:
+    """The mesh with its faces `by` [m] further outside, inside where negative."""
+    if by == 0.0:
+        return mesh
+    # STL names each corner once a triangle.
+    points, numbers = np.unique(mesh.points, axis=0, return_inverse=True)
+    triangles = numbers.reshape(-1)[mesh.triangles]
+    pieces = tuple(grow_mesh(piece, by) for piece in mesh.pieces)
+    moved = points + by * outwards(points, triangles)
+    return replace(mesh, points=moved, triangles=triangles, pieces=pieces)
+
+
+def grow_solid(solid: Solid, by: float) -> Solid:
+    """The convex solid with its surface `by` [m] further outside."""
+    shape = solid.shape
+    if isinstance(shape, Mesh):
+        shape = grow_mesh(shape, by)
+    elif isinstance(shape, Box):
+        shape = Box(shape.size + 2 * by)
+    elif isinstance(shape, Sphere):
+        shape = Sphere(shape.radius + by)
+    elif isinstance(shape, Capsule):
+        shape = replace(shape, radius=shape.radius + by)
+    else:
+        shape = replace(shape, radius=shape.radius + by, length=shape.length + 2 * by)
+    return replace(solid, shape=shape)
+
+
 def change_scale(path: Path, factor: float) -> float:
     """Make a part `factor` times as large as its `part.toml` has it; comments and all else stay.
 
@@ -57,8 +88,7 @@ def change_scale(path: Path, factor: float) -> float:
     Raises:
         FileError: the file cannot be read or written, or the size is no longer allowed.
     """
-    file = path / "part.toml" if path.is_dir() else path
-    document: Any = read_document(file)
+    file, document = _read(path)
     mesh = document["mesh"]
     scale = short(float(mesh.get("scale", 1.0)) * factor, DIGITS)
     if not LEAST_SCALE <= scale <= MOST_SCALE:
@@ -70,3 +100,36 @@ def change_scale(path: Path, factor: float) -> float:
     mesh["scale"] = scale
     write_whole(file, tomlkit.dumps(document).encode())
     return float(scale)
+
+
+def change_offset(path: Path, by: float) -> float:
+    """Move a part's surface outwards over its `part.toml`; comments and all else stay.
+
+    Args:
+        path: of the part's folder, or of its `part.toml`.
+        by: [m] inwards where negative.
+
+    Returns:
+        How far outside of the CAD file it lies now [m].
+
+    Raises:
+        FileError: the file cannot be read or written, or it would lie too far off.
+    """
+    file, document = _read(path)
+    mesh = document["mesh"]
+    offset = short(float(mesh.get("offset_mm", 0.0)) + by * 1000, OFFSET_DIGITS)
+    if abs(offset) > MOST_OFFSET:
+        raise FileError(
+            file,
+            f"offset_mm would be {offset:g}: from {-MOST_OFFSET:g} to {MOST_OFFSET:g} is allowed, "
+            "so this may be another part",
+        )
+    mesh["offset_mm"] = offset
+    write_whole(file, tomlkit.dumps(document).encode())
+    return float(offset) / 1000
+
+
+def _read(path: Path) -> tuple[Path, Any]:
+    """The `part.toml` at a path, or in that folder, and what it holds."""
+    file = path / "part.toml" if path.is_dir() else path
+    return file, read_document(file)

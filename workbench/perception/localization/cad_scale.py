@@ -174,7 +174,6 @@ def fit_to_size(
     """The search for a part of another size than its CAD file, and its poses fitted to that.
 
     A wrong CAD file fits at one of its ends only, so the poses are off by up to the difference.
-    What is no longer seen enough falls.
 
     Args:
         search: by the CAD file as it is.
@@ -191,6 +190,21 @@ def fit_to_size(
         # What is seen of it stays in place at first.
         middle = seen[assessed.sighting.explained].mean(axis=0)
         pose[:3, 3] += (1.0 - size) * (middle - pose[:3, :3] @ fixed - pose[:3, 3])
+    resized = replace(search, surface=surface, scaled=search.scaled * size)
+    return fit_to_surface(resized, standing, poses)
+
+
+def fit_to_surface(
+    search: PartSearch, standing: JudgedChoice, poses: Floats
+) -> tuple[PartSearch, JudgedChoice]:
+    """A search with a new surface, and what was found fitted to it; what is not seen enough falls.
+
+    Args:
+        search: with that surface.
+        standing: what was found with another one.
+        poses: (k, 4, 4) [m] of that, near to where the new surface fits.
+    """
+    surface = search.surface
     poses = refine_at_full_resolution(search.depth_map, surface, poses, search.tolerance)
     sightings = [look(search.depth_map, surface, pose, search.tolerance) for pose in poses]
     fallen = {
@@ -200,8 +214,7 @@ def fit_to_size(
     }
     chosen = [
         replace(assessed, pose=pose, sighting=sighting)
-        for assessed, pose, sighting in zip(before, poses, sightings, strict=True)
+        for assessed, pose, sighting in zip(standing.choice.chosen, poses, sightings, strict=True)
     ]
     ratios = tuple(ratio for i, ratio in enumerate(standing.ratios) if i not in fallen)
-    choice = without(replace(standing.choice, chosen=chosen), fallen)
-    return replace(search, surface=surface), JudgedChoice(choice, ratios)
+    return search, JudgedChoice(without(replace(standing.choice, chosen=chosen), fallen), ratios)

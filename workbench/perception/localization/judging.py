@@ -7,6 +7,7 @@ other; then what does not end where it should.  The rest is asked again, until n
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -15,8 +16,8 @@ from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Part
 from workbench.model.scan import Objection
 from workbench.perception.localization.choice import Choice, Hypothesis, Rejection
-from workbench.perception.localization.likelihood import MOST, log_likelihood_ratio, looked_through
 from workbench.perception.localization.outline import LEAST_ENDS, MOST_BENT, has_visible_boundary
+from workbench.perception.matching.likelihood import MOST, log_likelihood_ratio, looked_through
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface
@@ -36,10 +37,13 @@ class PartSearch:
     """The state of the search for one kind of part: depth maps, tolerances, accepted poses.
 
     `depth_map` is the scan as an image for this part, `coarse_map` the same with fewer pixels;
-    `tolerance` [m] see `sightings.look`, `spread` [m] see `likelihood`.  `are_possible` says which
-    poses (k, 4, 4) may be at all, (k,).  `least_ends` see `outline.has_visible_boundary`,
-    `most` [nat] see `likelihood`; `is_loose` says that they are those of `loosening`; `filled` see
-    `scene_model.SceneModel`; `eaten` [pixels] of outlines that the background eats, see `eaten`.
+    `tolerance` [m] see `sightings.look`, `spread` [m] see `likelihood`.  `are_inside` says which
+    poses (k, 4, 4) of a surface may be at all, (k,).  `least_ends` see
+    `outline.has_visible_boundary`, `most` [nat] see `likelihood`; `is_loose` says that they are
+    those of `loosening`; `filled` see `scene_model.SceneModel`; `eaten` [pixels] of outlines that
+    the background eats, see `eaten`.  `heights` are those of points (n, 3) [m] in the scanner's
+    frame over the floor (n,) [m], None where that is not seen.  The surface is `grown` by so much
+    [m] over the CAD file, or `scaled`, no unit.
     """
 
     part: Part
@@ -48,13 +52,21 @@ class PartSearch:
     coarse_map: DepthMap
     tolerance: float
     spread: float
-    are_possible: Callable[[Floats], Bools]
+    are_inside: Callable[[PartSurface, Floats], Bools]
     choice: Choice
     least_ends: float = LEAST_ENDS
     most: float = MOST
     is_loose: bool = False
     filled: float = 1.0
     eaten: int = 0
+    heights: Callable[[Floats], Floats] | None = None
+    grown: float = 0.0
+    scaled: float = 1.0
+
+    @property
+    def are_possible(self) -> Callable[[Floats], Bools]:
+        """Which poses (k, 4, 4) of the part may be at all, (k,)."""
+        return partial(self.are_inside, self.surface)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,6 +21,7 @@ from workbench.model.messages.message import Message
 from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
 from workbench.perception.localization.assessment import Assessment, assess
+from workbench.perception.localization.cad_shape import allow_changes
 from workbench.perception.localization.choice import (
     Choice,
     Hypothesis,
@@ -108,6 +109,8 @@ def localize_parts(
     found = [search for search in brought if isinstance(search, PartSearch)]
     closely = partial(look_closely, step)
     for number, turns in _rounds(found, seed, step):
+        if number == 1 or (number > 1 and not any(search.choice.chosen for search in found)):
+            found = allow_changes(found, partial(compete, closely=closely))
         if number == 1:
             found = allow_eaten_outlines(found, partial(compete, closely=closely))
             found = relax_tolerance(found, partial(compete, closely=closely))
@@ -324,7 +327,8 @@ def merged(brought: Sequence[PartSearchResult]) -> LocalizationResult:
     ]
     rejected.sort(key=lambda hypothesis: -hypothesis.score)
     scales = tuple(scale for result in brought for scale in result.findings.scales)
-    return LocalizationResult(tuple(found), tuple(rejected[:MOST_REJECTED]), scales)
+    offsets = tuple(offset for result in brought for offset in result.findings.offsets)
+    return LocalizationResult(tuple(found), tuple(rejected[:MOST_REJECTED]), scales, offsets)
 
 
 def _overlap(

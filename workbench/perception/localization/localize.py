@@ -23,7 +23,7 @@ from workbench.model.scan import (
 from workbench.model.symmetry import ROUND
 from workbench.perception.localization.alternatives import share_nearby
 from workbench.perception.localization.assessment import Assessment
-from workbench.perception.localization.cad_scale import fit_to_size, scale_check
+from workbench.perception.localization.cad_shape import report_shape
 from workbench.perception.localization.certainty import (
     covariance,
     loose_probability_of,
@@ -43,12 +43,13 @@ from workbench.perception.localization.hypotheses import (
     find_hypotheses,
 )
 from workbench.perception.localization.judging import JudgedChoice, PartSearch, judge_choices
-from workbench.perception.localization.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
 from workbench.perception.localization.loosening import measure_explained
+from workbench.perception.matching.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
 from workbench.perception.matching.maps import MIXED, POINTS_A_PIXEL, DepthMap, make_map
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface, prepare
+from workbench.perception.scene.bin_fit import above_floor
 from workbench.perception.scene.scene_model import SceneModel
 
 PIXELS_ACROSS = 70
@@ -99,10 +100,7 @@ def together(scan: Scan, brought: Sequence[PartSearch | PartSurface]) -> list[Pa
 def _conclude(
     scan: Scan, search: PartSearch, standing: JudgedChoice, explained: float
 ) -> PartSearchResult:
-    poses = [chosen.pose for chosen in standing.choice.chosen]
-    scale = scale_check(search.part.name, search.depth_map, search.surface, poses, search.tolerance)
-    if scale is not None and scale.is_off:
-        search, standing = fit_to_size(search, standing, scale.ratio)
+    search, standing, scales, offsets = report_shape(search, standing)
     choice = standing.choice
     order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
     gains = tuple(choice.chosen[k].sighting.gain * search.depth_map.pitch**2 for k in order)
@@ -110,8 +108,8 @@ def _conclude(
         _detection(scan, search, choice.chosen[k], standing.ratios[k], explained) for k in order
     )
     rejected = _list_rejected(scan, search, choice, order)
-    scales = () if scale is None else (scale,)
-    return PartSearchResult(LocalizationResult(detections, rejected, scales), search.surface, gains)
+    result = LocalizationResult(detections, rejected, scales, offsets)
+    return PartSearchResult(result, search.surface, gains)
 
 
 def begin_search(
@@ -148,15 +146,20 @@ def begin_search(
     spread = max(SPREAD_OVER_NOISE * noise, LEAST_SPREAD * tolerance)
     T_scanner_bin = scan.T_world_scanner.inverse() * cell.bin.T_world_bin
 
-    def are_possible(poses: Floats) -> np.ndarray:
-        return are_in_bin(surface, poses, T_scanner_bin, cell.bin, scene.bin)
+    def are_inside(shape: PartSurface, poses: Floats) -> np.ndarray:
+        return are_in_bin(shape, poses, T_scanner_bin, cell.bin, scene.bin)
+
+    def heights(points: Floats) -> Floats:
+        T = T_scanner_bin.inverse()
+        p_bin = points @ T.rotation.T + T.translation
+        return above_floor(scene.bin, cell.bin.size, p_bin)
 
     choice = Choice(np.full(depth_map.depth.size, -1), [], [])
     coarse_map = _coarser(depth_map, surface)
-    filled = scene.filled
     return PartSearch(
-        part, surface, depth_map, coarse_map, tolerance, spread, are_possible, choice, filled=filled
-    )
+        part, surface, depth_map, coarse_map, tolerance, spread, are_inside, choice,
+        filled=scene.filled, heights=heights if scene.bin.is_floor_seen else None,
+    )  # fmt: skip
 
 
 def _dense(scan: Scan, scene: SceneModel) -> Scan:

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.model.geometry import Floats, Mesh
+from workbench.model.geometry import Mesh, outwards
 from workbench.model.part import Part
 from workbench.perception.views.surfaces import triangles_of
 
 LEVEL = 0.05
-"""Of a corner's largest: below this share of it faces around a corner count as in one plane."""
+"""See `outwards`: these meshes are exact."""
 
 
 def sized(part: Part, factor: float, *, about_middle: bool = False) -> Part:
@@ -42,15 +42,6 @@ def grown(part: Part, by: float) -> Part:
         return part
     mesh = triangles_of(part.mesh)
     mesh.merge_vertices()
-    around: list[list[Floats]] = [[] for _ in mesh.vertices]
-    for triangle, crossed in zip(mesh.faces, mesh.triangles_cross, strict=True):
-        length = float(np.linalg.norm(crossed))
-        for number in triangle if length > 0 else ():
-            around[number].append(crossed / length)
-    points = np.array(mesh.vertices)
-    for number, normals in enumerate(around):
-        # The corner of faces that have moved: along each of their normals by the same distance.
-        if normals:
-            asked = np.full(len(normals), by)
-            points[number] += np.linalg.lstsq(np.array(normals), asked, rcond=LEVEL)[0]
-    return replace(part, mesh=Mesh(points, np.asarray(mesh.faces)))
+    triangles = np.asarray(mesh.faces)
+    points = mesh.vertices + by * outwards(np.asarray(mesh.vertices), triangles, LEVEL)
+    return replace(part, mesh=Mesh(points, triangles))

@@ -17,7 +17,7 @@ from scipy.spatial.distance import pdist
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Part
 from workbench.model.symmetry import BALL
-from workbench.perception.localization.pose_error import FINE_STEPS
+from workbench.perception.matching.pose_error import FINE_STEPS
 from workbench.studies.bop.precision import THRESHOLDS, WIDTH
 
 PROBES = 12

@@ -54,7 +54,8 @@ def wrong_cad_rows(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
     """A row for each error and scanner, over all parts.
 
     `stated` is the mean probability, `right` the share of right detections; `reported` counts the
-    piles with a scale within `SCALE_NEAR`, `off` those that call the CAD file wrong.
+    piles with a scale within `SCALE_NEAR`, and where surfaces lie off with an offset within
+    `OFFSET_NEAR`; `off` counts those that call the CAD file wrong.
     """
     groups: dict[tuple[float, float, str], list[Scene]] = {}
     for scene in scenes:
@@ -72,6 +73,12 @@ def _row(scale: float, offset: float, build: str, scenes: Sequence[Scene]) -> di
         if visible > CLEAR
     ]
     checks = [check for scene in scenes for check in scene.scales]
+    offsets = [check for scene in scenes for check in scene.offsets]
+    reported = (
+        [abs(check.offset + offset) <= OFFSET_NEAR for check in offsets]
+        if offset != 0.0
+        else [abs(check.ratio - 1.0 / scale) <= SCALE_NEAR for check in checks]
+    )
     return {
         "scale": scale,
         "offset": offset,
@@ -83,8 +90,8 @@ def _row(scale: float, offset: float, build: str, scenes: Sequence[Scene]) -> di
         "right": sum(pose.is_right for pose in found),
         "stated": float(np.mean([pose.probability or 0.0 for pose in found])) if found else None,
         "calibration_error": how_sure(scenes)["calibration_error"],
-        "reported": sum(abs(check.ratio - 1.0 / scale) <= SCALE_NEAR for check in checks),
-        "off": sum(check.is_off for check in checks),
+        "reported": sum(reported),
+        "off": sum(check.is_off for check in (*checks, *offsets)),
         "distance": percentiles(
             [pose.distance for pose in found if pose.distance is not None], median=50, worst=100
         ),

@@ -46,7 +46,7 @@ def study_wrong_cad(typed: StudyWrongCad) -> int:
         "right",
         "stated",
         "median mm",
-        "scale reported",
+        "error reported",
         "called off",
     )
     print_table(

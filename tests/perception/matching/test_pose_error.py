@@ -10,7 +10,7 @@ import trimesh
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh
 from workbench.model.symmetry import Symmetry, SymmetryAxis
-from workbench.perception.localization.pose_error import mssd, pose_error
+from workbench.perception.matching.pose_error import mssd, pose_error
 
 X, Y, Z = np.eye(3)
 TUBE = Symmetry(fold=0, point=(0.0, 0.0, 0.03), also=(SymmetryAxis(X, 2),))

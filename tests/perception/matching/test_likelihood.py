@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from workbench.perception.localization.likelihood import log_likelihood_ratio
+from workbench.perception.matching.likelihood import log_likelihood_ratio
 from workbench.perception.matching.sightings import Sighting
 
 TOLERANCE = 0.001
