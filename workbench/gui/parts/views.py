@@ -121,7 +121,7 @@ def _row(number: int, detection: Detection, is_chosen: bool, button: str, words:
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     dot, name = badge(part_colour(number), str(number + 1)), escape(detection.part)
-    # Narrow lists leave this column out (static/panel.css).
+    # Narrow lists leave this column out (static/page.css).
     tip = escape(f"{words.say('Residual')}: {words.say(_residual(detection))}")
     return (
         f'<tr{mark_attribute(is_chosen)} title="{tip}" {clickable(button)}><td>{dot}</td>'
