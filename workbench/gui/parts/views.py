@@ -121,8 +121,9 @@ def _row(number: int, detection: Detection, is_chosen: bool, button: str, words:
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     dot, name = badge(part_colour(number), str(number + 1)), escape(detection.part)
-    # Narrow lists leave this column out (static/page.css).
-    tip = escape(f"{words.say('Residual')}: {words.say(_residual(detection))}")
+    # Narrow lists leave these columns out (static/page.css).
+    left_out = {"Lead": values[2], "Residual": values[3]}
+    tip = escape(", ".join(f"{words.say(k)}: {words.say(v)}" for k, v in left_out.items() if v))
     return (
         f'<tr{mark_attribute(is_chosen)} title="{tip}" {clickable(button)}><td>{dot}</td>'
         f'<td translate="no" title="{name}">{name}</td>{numbers}'
