@@ -17,6 +17,8 @@ const LISTS = [
   { list: "[role=tablist]", item: "[role=tab]", back: "ArrowUp", on: "ArrowDown" },
 ];
 
+const UNFOLDED_MS = 300;  // after which an opened group has its height
+
 const FIELDS = "input:not([type=hidden]), textarea, [role=slider]";
 
 const scene = document.getElementById("scene");
@@ -105,6 +107,10 @@ function dress() {
     delete box.dataset.focus;
     box.focus();
   }
+  for (const dialog of every("[role=dialog]:not([data-met])")) {
+    dialog.dataset.met = "";
+    dialog.querySelector("input:not([readonly], [type=checkbox])")?.focus();
+  }
   for (const { list, item } of LISTS) every(list).forEach((one) => dressList(one, item));
   showChosen();
   comeBack();
@@ -152,6 +158,12 @@ function pressed(event) {
   const isMeant = event.detail < 2 || button === clicked;
   clicked = button;
   if (!isMeant) take(event);
+}
+
+function showOpened(event) {
+  // What a heading opens may lie below what is in sight.
+  const group = event.target.closest?.(".mantine-Paper-root[aria-expanded]")?.parentElement;
+  if (group) setTimeout(() => group.scrollIntoView({ block: "nearest" }), UNFOLDED_MS);
 }
 
 function hold(event) {
@@ -226,6 +238,7 @@ function listen() {
   here().addEventListener("keydown", typed, true);
   here().addEventListener("click", pressed, true);
   here().addEventListener("click", hold, true);
+  here().addEventListener("click", showOpened);
   here().addEventListener("pointerover", letGo, true);
   here().addEventListener("pointerover", tellWhole, true);
   here().addEventListener("focusin", tellWhole);

@@ -134,7 +134,6 @@ def test_a_grasp_is_made_with_the_mouse_and_picks_a_part(screen, bench, wait, re
     screen.press("Delete")
     wait(lambda: [e.name for e in library(bench).entries] == ["grasp"], "the deletion")
 
-    unfold(screen, "Saved and not saved")
     fill(screen, "Remark", "made with the mouse")
     screen.press("Save")
     wait(lambda: bench.state.saved == bench.state.cell.digest, "the saving")

@@ -149,24 +149,24 @@ def test_all_groups_of_the_grasps_are_reached_and_opened_by_keyboard(front, new_
     pause(window.page, 400)
     tab = window.scene.get_by_role("tab", name="Grasps")
     tab.click()
-    heading = window.scene.get_by_role("button", name="Saved and not saved")
+    heading = window.scene.get_by_role("button", name="Suggestions")
     expect(heading).to_have_attribute("aria-expanded", "false")
     tab.focus()
     focused = window.scene.locator(":focus")
     for _ in range(60):
         window.page.keyboard.press("Tab")
-        if "Saved and not saved" in focused.inner_text():
+        if "Suggestions" in focused.inner_text():
             break
     expect(heading).to_be_focused()
     window.page.screenshot(path=shots / "keyboard-heading.png")
     window.page.keyboard.press("Enter")
     expect(heading).to_have_attribute("aria-expanded", "true")
-    for _ in range(3):
+    for _ in range(6):
         window.page.keyboard.press("Tab")
         pause(window.page, 50)
-        if focused.evaluate("one => one.ariaLabel") == "Remark":
+        if focused.evaluate("one => one.ariaLabel") == "Seed":
             break
-    expect(window.scene.get_by_label("Remark").locator("visible=true")).to_be_focused()
+    expect(window.scene.get_by_label("Seed").locator("visible=true")).to_be_focused()
     for name in ("Position [mm] y", "Angles [deg] yaw"):
         expect(window.scene.get_by_label(name, exact=True)).to_have_count(1)
     assert window.errors == []

@@ -120,3 +120,10 @@ def test_what_differs_since_the_start_before_has_no_english_verb_left(language, 
 
 def test_of_nothing_the_text_is_empty(words):
     assert words.render(None) == words.render("") == ""
+
+
+@pytest.mark.parametrize(
+    ("language", "said"), [("de", "280\u202f689"), ("en", "280,689"), ("zh", "280,689")]
+)
+def test_thousands_have_no_comma_where_one_stands_before_decimals(language, said):
+    assert said in words_of(language).render(StateText.SCANNED(points="280,689"))

@@ -12,6 +12,13 @@ from workbench.words.markup import html_said, markdown_said
 
 ENGLISH = "en"
 
+COMMAS = ("de", "it", "fr", "es")
+"""Languages that group digits by a narrow blank."""
+
+NARROW = "\u202f"
+
+_THOUSANDS = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
+
 NO_VALUES: Mapping[str, str] = {}
 
 _ENDS = re.compile(r"([\s,;:·]*)(.*?)([\s,;(]*)", re.DOTALL)
@@ -33,6 +40,8 @@ class Words:
         whole = {TEXTS[id].template: said for id, said in self._by_id.items() if id in TEXTS}
         self._texts = {key: said for key, said in (whole | dict(messages)).items() if said}
         self._bare = {_bare(key): key for key in self._texts}
+        # There a comma stands before decimals, so 280,689 would be less than a thousand.
+        self._has_commas = language in COMMAS
         self._stop = "。" if language == "zh" else "."
 
     def render(self, message: Message | str | None) -> str:
@@ -44,7 +53,8 @@ class Words:
             return ""
         if isinstance(message, str):
             return self.say(message)
-        return self._said_within(message).render(self._template)
+        said = self._said_within(message).render(self._template)
+        return _THOUSANDS.sub(NARROW, said) if self._has_commas else said
 
     def _template(self, text: Text) -> str:
         return self._by_id.get(text.id, text.template)

@@ -17,6 +17,6 @@ def test_parts_say_how_sure_they_are_where_it_is_known():
     sure = Detection("bolt", T, residual=1e-4, covariance=variances, probability=0.93)
     html = parts_html((sure, Detection(EVIL, T)), 0, ("a", "b"))
     text = re.sub(r"<[^>]*>", " ", html)
-    for word in ("Sure", "93%", "0.20 mm, 0.4 deg", "by hand", "&lt;b&gt;bolt"):
+    for word in ("Sure", "93%", "0.20 mm 0.4°", "by hand", "&lt;b&gt;bolt"):
         assert word in text
-    assert EVIL not in html and text.count(" deg") == 1
+    assert EVIL not in html and text.count("°") == 1

@@ -12,6 +12,7 @@ from workbench.gui.shared.tables import (
     COLUMNS,
     PAGE,
     CandidateOrder,
+    by_part_html,
     candidates_html,
     chosen_html,
     funnel_html,
@@ -49,6 +50,7 @@ candidates_drawn = st.lists(
 orders = st.builds(
     CandidateOrder,
     only=st.none() | st.sampled_from(KINDS),
+    part=st.none() | st.integers(0, 3),
     column=st.sampled_from(list(COLUMNS)),
     is_descending=st.booleans(),
 )
@@ -61,7 +63,8 @@ def test_all_pages_together_show_each_wanted_candidate_once(candidates, order):
     wanted = [
         number
         for number, candidate in enumerate(candidates)
-        if order.only is None or candidate.verdict.kind is order.only
+        if (order.only is None or candidate.verdict.kind is order.only)
+        and order.part in (None, candidate.detection)
     ]
     assert sorted(shown) == wanted
 
@@ -157,3 +160,19 @@ def test_the_stages_count_down_to_what_is_left(candidates):
     assert int(first) == (len(candidates) if ok < len(candidates) else ok)
     refused = sum(int(count) for count in re.findall(r"\u2212(\d+)", html))
     assert refused == len(candidates) - ok
+
+
+@given(candidates_drawn)
+def test_each_part_counts_what_works_for_it_and_its_count_shows_it_alone(candidates):
+    buttons = [f"part-{number}" for number in range(40)]
+    html = by_part_html(candidates, None, buttons)
+    parts = {candidate.detection for candidate in candidates}
+    counts = dict(re.findall(r">(\d+): <b>(\d+)</b>", html))
+    if len(parts) < 2:
+        assert html == ""
+        return
+    for part in parts:
+        of_it = [candidate for candidate in candidates if candidate.detection == part]
+        assert int(counts[str(part + 1)]) == sum(one.verdict.is_ok for one in of_it)
+        shown = order_candidates(candidates, CandidateOrder(part=part))
+        assert sorted(map(id, of_it)) == sorted(id(candidates[number]) for number in shown)

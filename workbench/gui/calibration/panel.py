@@ -112,7 +112,8 @@ class CalibrationPanel:
         """Bring what is shown from `old` to `new`."""
         state, chosen = new.state, new.own.observation
         self._drift.show(new)
-        self._where.content = line(self._says_where(new), kind="hint")
+        is_carried = state.cell.scanner.on_arm is not None
+        self._where.content = line(self._says_where(new), kind="result" if is_carried else "hint")
         if self._after.value != new.own.is_calibrated:
             self._after.value = new.own.is_calibrated
         is_same = (
@@ -132,7 +133,10 @@ class CalibrationPanel:
         self._answer.content = answer_html(state.cell, found, len(observations), words)
         self._overlay.content = overlay_line(new.overlay, words) if observations else ""
         admit = self._visitor.admit
-        admit(self._take, state, SightPlate)
+        carrier = state.cell.scanner.on_arm
+        hangs = "" if carrier is None else words.render(CalibrationText.HANGS(arm=carrier.arm))
+        self._visitor.allow(self._suggest, hangs)
+        admit(self._take, state, SightPlate, otherwise=hangs)
         for button in (self._leave, self._remove):
             admit(button, state, UseObservations, otherwise=CHOOSE if chosen is None else "")
         if chosen is not None and chosen < len(observations):
@@ -143,6 +147,9 @@ class CalibrationPanel:
         admit(self._save, state, SaveCell, otherwise=not_saved(state))
 
     def _says_where(self, view: View) -> str:
+        carrier = view.state.cell.scanner.on_arm
+        if carrier is not None:
+            return self._visitor.words.render(CalibrationText.IN_HAND(arm=carrier.arm))
         if view.state.cell.scanner.source != "simulated":
             if not view.live.joints:
                 return "The controller reports no joint values, so no pose can be scanned here."

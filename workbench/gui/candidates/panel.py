@@ -13,9 +13,11 @@ from workbench.gui.shared.colours import KINDS
 from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import (
     COLUMNS,
+    MOST_PARTS,
     PAGE,
     CandidateOrder,
     Column,
+    by_part_html,
     candidates_html,
     chosen_html,
     funnel_html,
@@ -52,6 +54,7 @@ class CandidatesPanel:
         self._order = self._drawn = CandidateOrder()
         self._shown: tuple[int, ...] = ()
         gui = visitor.gui
+        self._by_part = gui.add_html("")
         self._funnel = gui.add_html("")
         self._words = gui.add_text(
             "Filter",
@@ -81,11 +84,12 @@ class CandidatesPanel:
         self._filters = {
             kind: visitor.unseen(partial(self._filter, kind)) for kind in (None, *KINDS)
         }
+        self._parts = [visitor.unseen(partial(self._show_part, part)) for part in range(MOST_PARTS)]
         self._headings: dict[Column, str] = {
             column: visitor.unseen(partial(self._sort, column)) for column in COLUMNS
         }
         self._rows = [visitor.unseen(partial(self._choose, place)) for place in range(PAGE)]
-        visitor.hide([*self._filters.values(), *self._headings.values(), *self._rows])
+        visitor.hide([*self._filters.values(), *self._parts, *self._headings.values(), *self._rows])
         self._words.on_update(lambda _: self._on_typed())
         self._back.on_click(lambda _: self._turn(-1))
         self._forth.on_click(lambda _: self._turn(1))
@@ -141,7 +145,7 @@ class CandidatesPanel:
 
     def _draw(self, candidates: tuple[Candidate, ...], are_others: bool) -> None:
         if are_others:
-            self._order = replace(self._order, only=None, page=0)
+            self._order = replace(self._order, only=None, part=None, page=0)
         order, words = self._order, self._visitor.words
         self._drawn = order
         indices = order_candidates(candidates, order, words)
@@ -157,13 +161,18 @@ class CandidatesPanel:
             foot = PageText.CANDIDATES_PAGE(shown=shown, total=total, page=page + 1, pages=count)
         self._foot.content = line(words.render(foot) if candidates else "", kind="hint")
         if not candidates:
-            self._funnel.content = ""
+            self._funnel.content = self._by_part.content = ""
             self._table.content = line(
                 "Every grasp of every part with every arm appears here once a plan was made.",
                 kind="hint",
             )
             return
-        held = [candidate for candidate in candidates if holds(candidate, order.words, words)]
+        self._by_part.content = by_part_html(candidates, order.part, self._parts, words)
+        held = [
+            candidate
+            for candidate in candidates
+            if order.part in (None, candidate.detection) and holds(candidate, order.words, words)
+        ]
         funnel = funnel_html(held, order.only, self._filters, words)
         self._funnel.content = funnel + stages_html(held, words)
         self._table.content = candidates_html(
@@ -177,6 +186,10 @@ class CandidatesPanel:
 
     def _filter(self, kind: Reason | None) -> None:
         self._reorder(replace(self._order, only=kind, page=0))
+
+    def _show_part(self, part: int) -> None:
+        shown = None if self._order.part == part else part
+        self._reorder(replace(self._order, part=shown, only=None, page=0))
 
     def _on_typed(self) -> None:
         self._reorder(replace(self._order, words=self._words.value, page=0))

@@ -72,7 +72,7 @@ class _PartRow:
         self._shown: tuple[str, int] = ("", 0)
         gui = visitor.gui
         self._text = gui.add_html("")
-        self._picked = gui.add_button(_label(arm, True, visitor.words), color="green")
+        self._picked = gui.add_button(_label(arm, True, visitor.words), color="gray")
         self._failed = gui.add_button(_label(arm, False, visitor.words), color="gray")
         visitor.on_press(self._picked, lambda: self._word(True))
         self._failed.on_click(lambda _: self._pressed_failed())

@@ -60,10 +60,10 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
     cells = (
         (f"{plan.cycle_seconds:.1f} s", "Cycle", cycle),
         ("" if plan.is_view_plan else str(len(plan.picks)), "Parts", ""),
-        (mm(floor_distance(proof.clearance)), "Free motion", clearance),
+        (mm(floor_distance(proof.clearance)), "Clearance, free", clearance),
         (
             "" if linear is None else mm(floor_distance(max(linear, 0.0))),
-            "Linear motion",
+            "Clearance, linear",
             clearance,
         ),
     )

@@ -90,13 +90,14 @@ class GraspsPanel:
         )
         self._point = SurfaceKeys(visitor, self._stage, self._put, self._end_adding)
         self._steps = CopySteps(visitor, editing, self._on_step, lambda: self._stage.is_open)
-        with group(gui, "Where the hand is"):
+        with group(gui, "Where the hand is") as pose:
             self._pose = GraspPose(visitor, editing, self._moving)
             self._offset = GraspOffset(visitor, editing)
-        with group(gui, "How it takes the part", expand_by_default=False):
+        with group(gui, "How it takes the part", expand_by_default=False) as fields:
             self._fields = GraspFields(visitor, editing)
-        with group(gui, "Copies and patterns", expand_by_default=False):
+        with group(gui, "Copies and patterns", expand_by_default=False) as copies:
             self._copies = GraspCopies(visitor, editing)
+        self._of_grasp = (pose, fields, copies)
         with group(gui, "Suggestions", expand_by_default=False):
             self._suggestions = Suggestions(visitor, editing, self._preview)
             self._filling = FillControls(visitor, editing)
@@ -106,7 +107,7 @@ class GraspsPanel:
             self._symmetry = SymmetryControls(visitor, editing)
         with group(gui, "Pairs for two arms", expand_by_default=False):
             self._pairs = PairControls(visitor, editing)
-        with group(gui, "Saved and not saved", expand_by_default=False):
+        with group(gui, "Saved and not saved"):
             self._library = LibraryControls(visitor, editing)
         with group(gui, "New part from a CAD file", expand_by_default=False):
             self._upload = PartUpload(visitor)
@@ -185,6 +186,8 @@ class GraspsPanel:
             admit(button, state, EditPart, otherwise=no_grasp(entry))
         admit(self._undo, state, UndoCell, otherwise=not_undone(state))
         admit(self._redo, state, RedoCell, otherwise=not_redone(state))
+        for folder in self._of_grasp:
+            folder.visible = entry is not None
         self._keep.visible = self._editing.lost is not None
         is_open, size = self._stage.is_open, size_of(part)
         self._pose.show(entry, problem=cannot, is_open=is_open, size=size)

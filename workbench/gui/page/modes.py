@@ -68,6 +68,8 @@ ENDS_AFTER_CYCLE = "Ends with End preview"
 """A preview of a plan that was sent already, or was as a fault came up."""
 
 NOTES = {
+    Mode.LIVE: "Parts: where the plan has them",
+    Mode.NO_REPORT: "Parts: where the plan has them",
     Mode.PREVIEW: "Parts: as planned; nothing is sent",
     Mode.END: "Parts: where hands let go of them, not yet fallen; nothing was sent",
     Mode.FILM: "Parts: a simulated pile, not what is in the bin; nothing is sent",
@@ -125,7 +127,9 @@ def mode_html(view: View, ends_comparing: str = "", words: Words = IN_ENGLISH) -
     rows = "".join(
         f'<li><i style="{style}"></i>{escape(words.render(text))}</li>' for text, style in lines
     )
-    notes = map(words.render, (NOTES.get(mode), missed, ends))
+    # Before it is played and sent, the plan has the parts where they were found.
+    is_found = mode in (Mode.LIVE, Mode.NO_REPORT) and not (view.state.plan and view.look.time > 0)
+    notes = map(words.render, ("" if is_found else NOTES.get(mode), missed, ends))
     rows += "".join(f'<li class="wb-ends">{escape(text)}</li>' for text in notes if text)
     if ends_comparing and view.look.search is not None:
         rows += f'<li class="wb-compares" data-ends="{escape(ends_comparing)}"></li>'

@@ -17,7 +17,6 @@ from workbench.gui.drawing.flight import CameraFlight
 from workbench.gui.help.groups import group
 from workbench.gui.parts.keeping import KeepInputs
 from workbench.gui.parts.views import (
-    MOST_ROWS,
     avoided_html,
     parts_html,
     rejected_html,
@@ -25,6 +24,7 @@ from workbench.gui.parts.views import (
 )
 from workbench.gui.scene.searches import SearchInputs
 from workbench.gui.shared.look import View
+from workbench.gui.shared.tables import MOST_PARTS
 from workbench.gui.shared.views import line
 from workbench.gui.shared.viser_server import taken_upload
 from workbench.gui.shared.visitor import Visitor
@@ -120,7 +120,7 @@ class PartsPanel:
         with group(gui, "Search again in this scan", expand_by_default=False):
             self._searches = SearchInputs(visitor)
         self._keeping = KeepInputs(visitor)
-        self._rows = visitor.rows(MOST_ROWS, self._choose)
+        self._rows = visitor.rows(MOST_PARTS, self._choose)
         self._scan.on_upload(lambda event: self._upload(event, self._scan_of))
         self._poses.on_upload(lambda event: self._upload(event, self._poses_of))
         visitor.on_end(self._read_no_more)

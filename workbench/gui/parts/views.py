@@ -6,15 +6,12 @@ from html import escape
 
 from workbench.app.core.state import State
 from workbench.gui.shared.colours import badge, part_colour
-from workbench.gui.shared.tables import clickable, mark_attribute
+from workbench.gui.shared.tables import MOST_PARTS, clickable, mark_attribute
 from workbench.gui.shared.views import clock, line, mm, table_html
 from workbench.gui.texts.parts import PartsText
 from workbench.model.messages.message import as_message
 from workbench.model.scan import Detection, PosesFolder, RejectedHypothesis, Remark
 from workbench.words.words import IN_ENGLISH, Words
-
-MOST_ROWS = 30
-"""Parts that can be listed: as many as a bin may hold."""
 
 
 def parts_html(
@@ -44,7 +41,7 @@ def parts_html(
     )
     body = "".join(
         _row(number, detection, number == chosen, rows[number], words)
-        for number, detection in enumerate(found[:MOST_ROWS])
+        for number, detection in enumerate(found[:MOST_PARTS])
     )
     return (
         f'<div class="wb-rows"><table class="wb-table wb-parts"><thead><tr>{head}</tr></thead>'
@@ -102,11 +99,16 @@ def rejected_html(rejected: Sequence[RejectedHypothesis], words: Words = IN_ENGL
     )
 
 
-def _deviations(detection: Detection, words: Words) -> str:
+def _deviations(detection: Detection) -> str:
+    """Of place and turn, below each other."""
     if detection.deviations is None:
         return ""
     place, turn = detection.deviations
-    return words.render(PartsText.DEVIATIONS(place=place, turn=turn))
+    return f"{mm(place, 2)}<br>{math.degrees(turn):.1f}°"
+
+
+def _residual(detection: Detection) -> str:
+    return "by hand" if detection.residual is None else mm(detection.residual, 2)
 
 
 def _row(number: int, detection: Detection, is_chosen: bool, button: str, words: Words) -> str:
@@ -114,15 +116,18 @@ def _row(number: int, detection: Detection, is_chosen: bool, button: str, words:
         f"{detection.score:.2f}",
         f"{detection.visible:.0%}",
         "" if detection.gap is None else f"{detection.gap:.2f}",
-        "by hand" if detection.residual is None else mm(detection.residual, 2),
+        _residual(detection),
         "" if detection.probability is None else f"{detection.probability:.0%}",
-        _deviations(detection, words),
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
-    dot = badge(part_colour(number), str(number + 1))
+    dot, name = badge(part_colour(number), str(number + 1)), escape(detection.part)
+    # Narrow lists leave these columns out (static/page.css).
+    left_out = {"Lead": values[2], "Residual": values[3]}
+    tip = escape(", ".join(f"{words.say(k)}: {words.say(v)}" for k, v in left_out.items() if v))
     return (
-        f"<tr{mark_attribute(is_chosen)} {clickable(button)}><td>{dot}</td>"
-        f'<td translate="no">{escape(detection.part)}</td>{numbers}'
+        f'<tr{mark_attribute(is_chosen)} title="{tip}" {clickable(button)}><td>{dot}</td>'
+        f'<td translate="no" title="{name}">{name}</td>{numbers}'
+        f'<td class="wb-number">{_deviations(detection)}</td>'
         f"<td>{escape(_roll(detection))}</td></tr>"
     )
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Literal
 
-from workbench.gui.shared.colours import KINDS, badge, verdict_colour
+from workbench.gui.shared.colours import BAD, GOOD, KINDS, badge, verdict_colour
 from workbench.gui.shared.views import mm
 from workbench.model.candidate import Candidate, Reason, Stage
 from workbench.words.words import IN_ENGLISH, Words
@@ -26,6 +26,9 @@ COLUMNS: Mapping[Column, tuple[str, str]] = {
     "rank": ("Rank", "lower is chosen first: SE(3) distance from the arm's home"),
 }
 
+MOST_PARTS = 30
+"""Parts that can be listed: as many as a bin may hold."""
+
 PAGE = 60
 """Rows a page; each has an unseen button."""
 
@@ -35,6 +38,7 @@ class CandidateOrder:
     """What one browser wants to see of the table."""
 
     only: Reason | None = None
+    part: int | None = None
     words: str = ""
     column: Column = "verdict"
     is_descending: bool = True
@@ -98,6 +102,7 @@ def order_candidates(
         number
         for number, candidate in enumerate(candidates)
         if (order.only is None or candidate.verdict.kind is order.only)
+        and order.part in (None, candidate.detection)
         and holds(candidate, order.words, words)
     ]
     return tuple(
@@ -140,8 +145,12 @@ def make_text_css(words: Mapping[str, str]) -> str:
 
 
 def primary_css(button: str) -> str:
-    """The rule that fills the button with this id: of all on the page it comes next."""
-    return f'[id="{button}"]:not(:disabled){{--wb-fill:var(--wb-primary);--wb-on-fill:#fff}}'
+    """Rules that fill the button with this id, and keep its group in sight: it comes next."""
+    pressable = f'[id="{button}"]:not(:disabled)'
+    return (
+        f"{pressable}{{--wb-fill:var(--wb-primary);--wb-on-fill:#fff}}"
+        f".mantine-Paper-root:has({pressable}){{--wb-stays:sticky}}"
+    )
 
 
 def named_css(named: Mapping[str, tuple[str, str, str]]) -> str:
@@ -191,6 +200,33 @@ def funnel_html(
         if counts[kind]
     ]
     return f'<div class="wb-funnel">{"".join(chips)}</div>'
+
+
+def by_part_html(
+    candidates: Sequence[Candidate],
+    only: int | None,
+    buttons: Sequence[str],
+    words: Words = IN_ENGLISH,
+) -> str:
+    """How many candidates work for each part, red for none; a click shows those of one part.
+
+    Args:
+        candidates: of all parts.
+        only: the part that is shown alone, as in the scan.
+        buttons: ids of the unseen buttons, by part.
+        words: of who reads it.
+    """
+    working = Counter({candidate.detection: 0 for candidate in candidates})
+    working.update(candidate.detection for candidate in candidates if candidate.verdict.is_ok)
+    if len(working) < 2:
+        return ""
+    chips = [
+        _filter_chip(f"{part + 1}:", count, GOOD if count else BAD, part == only, buttons[part])
+        for part, count in sorted(working.items())
+        if part < len(buttons)
+    ]
+    title = escape(words.say("Feasible by part"))
+    return f'<div class="wb-funnel"><span class="wb-small">{title}</span>{"".join(chips)}</div>'
 
 
 def _filter_chip(text: str, count: int, colour: str, is_on: bool, button: str) -> str:

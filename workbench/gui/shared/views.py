@@ -53,6 +53,11 @@ JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2, "view": 2}
 BEFORE_PLAN = 2
 """Steps that a plan to the view does without."""
 
+MOST_SCORES = 4
+"""Of parts that are written one by one; of more the best and the worst."""
+
+AFTER_FAULT = "Bring the robot home, see that its hands are empty, then acknowledge."
+
 LONG = 60
 """Columns of a state line; a letter of Chinese takes two.  What is longer goes on below."""
 
@@ -160,7 +165,7 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
         return _box("busy", "", f"{seconds:.1f} s", title=sentence(note))
     match state.phase:
         case Phase.FAULT:
-            return _box("fault", words.render(state.fault), title="Fault:")
+            return _box("fault", words.render(state.fault), title="Fault:", then=AFTER_FAULT)
         case Phase.SENDING:
             return _box("busy", message_text(state.message, words), parts_placed(state, words))
         case Phase.DONE:
@@ -190,16 +195,20 @@ def changes_html(state: State, words: Words = IN_ENGLISH) -> str:
     return f'<div class="wb-status wb-changes"><div>{head}<ul>{listed}</ul></div></div>'
 
 
-def _box(kind: str, text: str, right: str = "", *, title: str = "") -> str:
-    """A state: `title` in bold and the text behind it; what is too long goes on below, smaller."""
+def _box(kind: str, text: str, right: str = "", *, title: str = "", then: str = "") -> str:
+    """A state: `title` in bold and the text behind it; what is too long goes on below, smaller.
+
+    `then` is the next step, below.
+    """
     first, rest = split_line(f"{title} {text}".strip() if text[:1] != ";" else title + text)
     rest = f"<small>{escape(rest)}</small>" if rest else ""
     shown = escape(first)
     if title and first.startswith(title):
         shown = f"<b>{escape(title)}</b>{escape(first[len(title) :])}"
     tip = f' title="{escape(text)}"' if rest else ""
+    then = f"<small><b>{escape(then)}</b></small>" if then else ""
     return (
-        f'<div class="wb-status wb-status-{kind}"{tip}><span>{shown}{rest}</span>'
+        f'<div class="wb-status wb-status-{kind}"{tip}><span>{shown}{rest}{then}</span>'
         f'<span class="wb-right">{escape(right)}</span></div>'
     )
 
@@ -288,13 +297,15 @@ def parts_line(
     count = len(state.detections)
     if count == 0:
         return line("No part found in this scan.", kind="bad", span=2, tip=purpose)
-    scores = ", ".join(f"{detection.score:.2f}" for detection in state.detections[:4])
+    found = sorted(detection.score for detection in state.detections)
+    if count > MOST_SCORES:
+        found = [found[0], found[-1]]
+    between = " – " if count > MOST_SCORES else ", "
+    scores = between.join(f"{score:.2f}" for score in reversed(found))
     parts = LabelText.PARTS(count=count)
     if check is not None:
         parts = as_message(parts_in_words(state.cell, check, state.detections))
-    found = (CyclePageText.FOUND_MORE if count > 4 else CyclePageText.FOUND)(
-        parts=parts, scores=scores
-    )
+    found = CyclePageText.FOUND(parts=parts, scores=scores)
     problems = (f"{sentence(words.render(size))}." for size in wrong_sizes)
     warnings = (line(problem, kind="bad", span=2) for problem in problems)
     return line(words.render(found), span=2, tip=purpose) + "".join(warnings)

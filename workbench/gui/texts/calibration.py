@@ -7,6 +7,11 @@ class CalibrationText(Text, subject="page-calibration"):
     """Calibration of the scanner: its record, poses of the plate, the answer, drift."""
 
     OLD = "Calibrated {days} {days:day|days} ago; limit: {limit} days."
+    HANGS = "the plate calibrates scanners that stand; this one hangs on the {arm} arm"
+    IN_HAND = (
+        "The scanner hangs on the {arm} arm. Calibrate it by pairs of poses from another program: "
+        "workbench calibrate, with --in-hand and --save."
+    )
     NEVER = "The scanner was never calibrated."
     RECORD = "Calibrated {at} by {person}: {count} {count:pose|poses}, {rms:mm2} RMS."
     RECORD_CORNERS = "Error at the corners of the bin: up to {error:mm2} (95%)."

@@ -21,7 +21,6 @@ class CyclePageText(Text, subject="page-cycle"):
     SCANNED = "{points:n} points ({source})"
     SCANNED_AT = "{points:n} points ({source}), {at}"
     FOUND = "{parts}, score {scores}"
-    FOUND_MORE = "{parts}, score {scores} …"
     PLAN = "{strategy}, {count} {count:part|parts}, {time:s}"
     PLAN_OF_ROW = "{number} of {count}: {plan}"
     UNKNOWN_CLEAR = "{strategy}, clear of {count} unknown {count:obstacle|obstacles}"

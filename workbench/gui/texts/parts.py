@@ -13,7 +13,6 @@ class PartsText(Text, subject="page-parts"):
     WATCHED = "Poses that come into {folder} are taken over."
     REJECTED = "{count} rejected {count:hypothesis|hypotheses}"
     HYPOTHESIS = "{score:2} {part}: {why}"
-    DEVIATIONS = "{place:mm2}, {turn:deg1}"
     STORED = "stored as {path}"
 
 
