@@ -218,15 +218,16 @@ def outwards(vertices: Floats, triangles: Ints, level: float = FLAT_CORNER) -> F
     corners = vertices[triangles]
     crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(crossed, axis=1)
-    around: list[list[Floats]] = [[] for _ in vertices]
-    for triangle, normal, length in zip(triangles, crossed, lengths, strict=True):
-        for number in triangle if length > 0 else ():
-            around[number].append(normal / length)
-    moves = np.zeros((len(vertices), 3))
-    for number, normals in enumerate(around):
-        if normals:
-            # The corner of faces that have moved: along each of their normals by the same distance,
-            # however many triangles a face has.
-            faces = np.unique(np.round(normals, NORMAL_DIGITS), axis=0)
-            moves[number] = np.linalg.lstsq(faces, np.ones(len(faces)), rcond=level)[0]
+    has_area = lengths > 0
+    units = np.round(crossed[has_area] / lengths[has_area, None], NORMAL_DIGITS)
+    # Of each vertex the directions of its faces, however many triangles a face has.
+    numbers = triangles[has_area].reshape(-1, 1)
+    rows = np.unique(np.hstack([numbers, np.repeat(units, 3, axis=0)]), axis=0)
+    owner, normals = rows[:, 0].astype(int), rows[:, 1:]
+    squares, sums = np.zeros((len(vertices), 3, 3)), np.zeros((len(vertices), 3))
+    np.add.at(squares, owner, normals[:, :, None] * normals[:, None, :])
+    np.add.at(sums, owner, normals)
+    # The corner of faces that have moved: along each of their normals by the same distance.
+    inverses = np.linalg.pinv(squares, rcond=level**2, hermitian=True)
+    moves = np.einsum("nij,nj->ni", inverses, sums)
     return moves
