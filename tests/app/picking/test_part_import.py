@@ -93,7 +93,8 @@ def done(bench):
 def test_a_file_becomes_a_part_that_is_scanned_saved_and_undone(bench, own):
     bench.do(ImportPart("brick", "brick.stl", box(), is_symmetric=True), "ada")
     state = done(bench)
-    assert str(state.message) == "part brick is in the cell, 60 x 30 x 20 mm; plans search its grips"
+    made = "part brick is in the cell, 60 x 30 x 20 mm; plans search its grips"
+    assert str(state.message) == made
     brick = state.cell.part("brick")
     assert brick.mass == pytest.approx(0.0432) and brick.symmetry.fold == 2
     assert read_part(own / "parts" / "brick").digest == brick.digest

@@ -60,7 +60,7 @@ def read_part(name: str | Path) -> Part:
     path = place / "part.toml" if place.is_dir() else place
     table = read_toml(path)
     part_name = table.text("name")
-    mass = table.number("mass_g", low=0.001, high=1e6) / 1000
+    mass = table.number("mass_g", low=0.01, high=1e6) / 1000
     friction = table.number("friction", 0.0, low=0.0, high=MOST_FRICTION) or None
     mesh_table = table.table("mesh")
     mesh = read_mesh_entry(mesh_table, convex=False)
