@@ -5,6 +5,7 @@ import pytest
 from hands import field, settle
 from playwright.sync_api import expect
 
+from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.gui.page.server import serve
 from workbench.perception.simulation.synthesize import synthesize
@@ -39,6 +40,8 @@ def places(page) -> dict[str, np.ndarray]:
 
 
 def test_a_pile_is_emptied_counted_and_shown_as_a_film(screen, page, bench, wait):
+    # By the library alone something stays.
+    bench.do(EditPart("keyed_cylinder", searches=False), "Ada")
     screen.tab("Emptying")
     screen.wait_for("is shown here, and what stays, once piles were emptied")
     fill(screen, "Parts", 7)

@@ -57,7 +57,8 @@ def leave_a_part(screen, bench, wait):
     part = bench.state.cell.parts[0]
     first = part.library.entries[0]
     shut = with_grasp(first, replace(grasp_of(first), is_enabled=False))
-    bench.do(EditPart(part.name, part.library.entries, (shut,), pairs=()), "Ada")
+    entries = part.library.entries
+    bench.do(EditPart(part.name, entries, (shut,), pairs=(), searches=False), "Ada")
     floor, length = bench.state.cell.bin.T_world_bin.translation, bench.state.cell.bin.size[0]
     pile = tuple(
         Detection(part.name, pose_from_rpy(floor + [x, y, 0.0191], (np.pi / 2, 0.0, 0.0)))
