@@ -172,8 +172,8 @@ def cell_of(plan: Plan, name: str | None) -> Cell:
         cell = read_cell(plan.cell if name is None else name)
         numbers = (NO_RECIPE, *(recipe.number for recipe in cell.recipes))
         by_bin = (as_chosen(cell, n, box.name) for n in numbers for box in cell.bins)
-        chosen = (one for known in by_bin for one in by_each_view(known))
-        return next((known for known in chosen if known.digest == plan.cell_digest), cell)
+        by_view = (chosen for known in by_bin for chosen in by_each_view(known))
+        return next((chosen for chosen in by_view if chosen.digest == plan.cell_digest), cell)
     except InputError as error:
         if name is not None:
             raise

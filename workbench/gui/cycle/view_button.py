@@ -22,10 +22,13 @@ NO_VIEW = "-"
 
 
 class ViewButton:
-    """Beside the scan, which is taken at the view; to be seen where an arm carries the scanner."""
+    """Next to the scan, which is taken at the view; to be seen where an arm carries the scanner.
+
+    Where the bin has several views, a list chooses one.
+    """
 
     def __init__(self, visitor: Visitor):
-        """Add the button."""
+        """Add the button and the list."""
         self._visitor = visitor
         self.button = visitor.gui.add_button(
             TO_VIEW, icon=viser.Icon.SCAN_EYE, visible=False, hint=SAYS
