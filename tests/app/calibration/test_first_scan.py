@@ -85,13 +85,23 @@ def test_a_scan_that_fits_leaves_nothing_to_say(cell, scan, tmp_path):
     assert off(cell, seen.mount.T_world_scanner)[0] < 0.002
 
 
-def test_a_bin_of_another_size_is_said(cell, scan, tmp_path):
+def test_a_bin_of_another_size_is_measured(cell, scan, tmp_path):
     path = tmp_path / "scan.ply"
     write_cloud(path, scan)
-    for size, key in (((1.5, 1.5, 1.0), "rim of"), ((1.0, 1.08, 1.0), "size_mm")):
-        other = replace(cell.bin, size=np.asarray(cell.bin.size) * size)
+    for factors in ((1.5, 1.5, 1.0), (1.0, 1.0, 0.5), (0.7, 0.8, 2.0)):
+        other = replace(cell.bin, size=np.asarray(cell.bin.size) * factors)
         seen = looked(path, replace(cell, bin=other))
-        assert any(key in str(one) for one in seen.says), seen.says
+        assert any("size_mm in [bin]" in str(one) for one in seen.says), seen.says
+        assert np.allclose(seen.bin.size, cell.bin.size, atol=0.006)
+        assert off(cell, seen.mount.T_world_scanner)[0] < 0.006
+
+
+def test_a_rim_of_nearly_the_same_size_is_said(cell, scan, tmp_path):
+    path = tmp_path / "scan.ply"
+    write_cloud(path, scan)
+    other = replace(cell.bin, size=np.asarray(cell.bin.size) * (1.0, 1.08, 1.0))
+    seen = looked(path, replace(cell, bin=other))
+    assert any("size_mm" in str(one) for one in seen.says), seen.says
 
 
 def test_without_walls_no_rim_says_where_the_scanner_hangs(cell, scan, tmp_path):

@@ -141,6 +141,18 @@ def test_parts_in_a_bin_that_is_off_are_found_there(cell, raised, tilted):
     assert (wrong, missed) == ([], 0)
 
 
+@pytest.mark.parametrize(("shift", "turned"), [((0.025, -0.02, 0.0), 0.0), ((0, 0.01, 0), 5.0)])
+def test_parts_in_a_bin_that_was_moved_are_found_there(cell, shift, turned):
+    part = read_part("bracket")
+    cell = replace(cell, parts=(part,))
+    truth = drop_parts((part,) * 4, cell.bin, seed=1)
+    scan = synthesize(cell, truth, seed=1)
+    T_moved = pose_from_rpy(shift, (0, 0, math.radians(turned)))
+    believed = replace(cell, bin=replace(cell.bin, T_world_bin=cell.bin.T_world_bin * T_moved))
+    wrong, missed, *_ = compared(part, truth, localize(scan, part, believed, seed=0))
+    assert (wrong, missed) == ([], 0)
+
+
 def test_nothing_is_found_where_the_bin_is_not(scan, part, cell):
     elsewhere = replace(cell.bin, T_world_bin=pose_from_rpy((2, 0, 0)))
     assert localize(scan, part, replace(cell, bin=elsewhere), seed=0) == ()

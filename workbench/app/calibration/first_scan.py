@@ -17,6 +17,7 @@ from workbench.model.messages.message import Message
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_fit import fit_bin
+from workbench.perception.scene.bin_measure import measure_bin
 from workbench.perception.scene.bin_search import FoundBin, find_bin
 from workbench.perception.scene.floor_search import find_floor
 from workbench.perception.scene.sensor import sensor_model
@@ -36,6 +37,9 @@ LEAST_RIM = 0.3
 SQUARE = 0.05
 """A bin whose sides differ by less looks alike after a quarter turn."""
 
+TALLER = 0.01
+"""[m] By which the walls may be higher than the cell has them; more is another bin."""
+
 SIZE_OFF = 0.008
 """[m] By which the rim may be larger than the cell has it; more is another bin."""
 
@@ -45,15 +49,17 @@ class FirstScan:
     """What a scan says of a scanner.
 
     `mount` is the cell's with what fits the scan better.  `fitting` is the share of the points
-    that lie where the scanner measures, `noise` [m] their deviation at 1 m or None, `found` the
-    bin.  `shift` [m] and `turn` [rad] tell how far the proposed pose is from the cell's.  `says` is
-    what is not as the cell has it, one sentence each, with the key to change.
+    that lie where the scanner measures, `noise` [m] their deviation at 1 m or None.  `found` is
+    the bin, `bin` the cell's with the size that is seen where it is another one.  `shift` [m] and
+    `turn` [rad] are how far the proposed pose is from the cell's.  `says` is what is not as the
+    cell has it, one sentence each, with the key to change.
     """
 
     mount: ScannerMount
     fitting: float
     noise: float | None
     found: FoundBin
+    bin: Bin
     shift: float
     turn: float
     says: tuple[Message, ...]
@@ -83,14 +89,14 @@ def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
         )
     scan = turned_to_camera(Scan(points * UNITS[unit], mount.T_world_scanner, path.name), axes)
     noise = sensor_model(scan.points).noise
-    found = find_bin(scan.points, cell.bin)
+    found, bin = _bin_in(scan, cell.bin)
     T_scanner_bin, floor = found.T_scanner_bin, None
     if T_scanner_bin is None and not _is_over_floor(scan, cell.bin, noise):
         floor = find_floor(scan.points)
         T_scanner_bin = None if floor is None else _bin_on(*floor, cell.bin)
     T_world_scanner = mount.T_world_scanner
     if T_scanner_bin is not None:
-        length, width = cell.bin.size[:2]
+        length, width = bin.size[:2]
         count = 4 if abs(length - width) < SQUARE * length else 2
         Ts = [
             cell.bin.T_world_bin
@@ -104,10 +110,33 @@ def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
     if mount.calibration is None:
         proposed = replace(proposed, T_world_scanner=T_world_scanner)
     seen = replace(scan, T_world_scanner=T_world_scanner)
-    says = tuple(
-        _says(cell.scanner, proposed, seen, cell.bin, found, floor=floor, shift=shift, turn=turn)
-    )
-    return FirstScan(proposed, fitting, noise, found, shift, turn, says)
+    first = FirstScan(proposed, fitting, noise, found, bin, shift, turn, ())
+    return replace(first, says=tuple(_says(first, seen, cell, floor)))
+
+
+def _bin_in(scan: Scan, bin: Bin) -> tuple[FoundBin, Bin]:
+    """Where the cell's bin is seen; or, if it is not, another one that is, with its size."""
+    found = find_bin(scan.points, bin)
+    measured = measure_bin(scan.points) if bin.has_walls else None
+    if measured is None:
+        return found, bin
+    is_cut = measured.height > bin.size[2] + TALLER
+    if found.T_scanner_bin is not None and not is_cut:
+        return found, bin
+    other = _with_size(bin, measured.outside, measured.height)
+    found = find_bin(scan.points, other)
+    if found.T_scanner_bin is None or found.rim is None:
+        return found, other
+    # The rim as a whole is measured better than its highest ring alone.
+    other = _with_size(bin, found.rim, measured.height)
+    return find_bin(scan.points, other), other
+
+
+def _with_size(bin: Bin, outside: tuple[float, float], height: float) -> Bin:
+    """The bin with other sides [m] around its rim, the longer one as before, and height."""
+    longer, shorter = np.array(outside) - 2 * bin.wall
+    sides = (shorter, longer) if bin.size[0] < bin.size[1] else (longer, shorter)
+    return replace(bin, size=np.round([*sides, height], 3))
 
 
 def _guess(points: Floats, mount: ScannerMount) -> tuple[str, str, float]:
@@ -149,16 +178,9 @@ def _bin_on(T_scanner_floor: pin.SE3, sides: Floats, bin: Bin) -> pin.SE3:
 
 
 def _says(
-    mount: ScannerMount,
-    proposed: ScannerMount,
-    scan: Scan,
-    bin: Bin,
-    found: FoundBin,
-    *,
-    floor: tuple[pin.SE3, Floats] | None,
-    shift: float,
-    turn: float,
+    first: FirstScan, scan: Scan, cell: Cell, floor: tuple[pin.SE3, Floats] | None
 ) -> Iterator[Message]:
+    mount, proposed, bin, found = cell.scanner, first.mount, cell.bin, first.found
     if proposed.near != mount.near or proposed.far != mount.far:
         near, far = (f"{value * 1000:.0f}" for value in (proposed.near, proposed.far))
         yield FirstScanText.RANGE(near=near, far=far)
@@ -173,6 +195,9 @@ def _says(
     if not bin.has_walls:
         yield FirstScanText.NO_WALLS()
         return
+    if first.bin is not bin:
+        yield FirstScanText.OTHER_BIN(seen=_millimetres(first.bin), wanted=_millimetres(bin))
+        bin = first.bin
     if found.T_scanner_bin is None:
         if found.rim is None or min(found.rim) < LEAST_RIM * min(bin.size[:2]):
             yield FirstScanText.NO_BIN()
@@ -189,7 +214,11 @@ def _says(
     if seen.is_floor_seen and abs(seen.floor[0]) > OFF:
         depth = float(bin.size[2] - seen.floor[0])
         yield FirstScanText.FLOOR_DEPTH(depth=depth, wanted=float(bin.size[2]))
-    if shift > OFF or turn > TURNED:
+    if first.shift > OFF or first.turn > TURNED:
         is_new = mount.calibration is None
         off = FirstScanText.NOT_CALIBRATED if is_new else FirstScanText.OFF
-        yield off(shift=shift, turn=turn)
+        yield off(shift=first.shift, turn=first.turn)
+
+
+def _millimetres(bin: Bin) -> str:
+    return " x ".join(f"{1000 * side:.0f}" for side in bin.size)

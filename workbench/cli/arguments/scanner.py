@@ -22,6 +22,8 @@ class ScannerFit:
     cell: CellName = "yumi"
     write: bool = False
     """Write unit, axes and, if nobody has calibrated the scanner, its pose into the cell file."""
+    bin: bool = False
+    """With --write: write the bin's size as well, where another bin than the cell's is seen."""
     json: Json = False
 
 

@@ -25,7 +25,7 @@ def fit(typed: arguments.ScannerFit) -> int:
     cloud = read_whole(typed.scan, LARGEST_FILE)
     seen = first_scan(typed.scan, cloud, cell)
     if typed.write:
-        cell = replace(cell, scanner=seen.mount)
+        cell = replace(cell, scanner=seen.mount, bin=seen.bin if typed.bin else cell.bin)
         save_cell(cell_path(typed.cell), cell)
         # What is said from here on is what the written keys do not mend.
         seen = first_scan(typed.scan, cloud, cell)
@@ -52,6 +52,7 @@ def _form(seen: FirstScan) -> dict[str, Any]:
         "position_mm": shorts(T.translation * 1000, 2),
         "rpy_deg": shorts(np.rad2deg(pin.rpy.matrixToRpy(T.rotation)), 3),
         "noise_mm": None if seen.noise is None else round(seen.noise * 1000, 3),
+        "bin_mm": shorts(1000 * seen.bin.size, 1),
         "rim_mm": None if seen.found.rim is None else shorts(1000 * np.array(seen.found.rim), 1),
         "is_bin_found": seen.found.T_scanner_bin is not None,
         "share_in_range": round(seen.fitting, 3),

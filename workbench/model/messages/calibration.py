@@ -119,6 +119,10 @@ class FirstScanText(Text, subject="first-scan"):
         "no bin is visible: is it in the picture, with its rim? Without walls in the picture set "
         "walls = false and size_mm in [bin]"
     )
+    OTHER_BIN = (
+        "a bin of {seen} mm is visible, in the cell {wanted} mm: size_mm in [bin], written by "
+        "--write --bin"
+    )
     OTHER_RIM = (
         "a rim of {length:mm0} x {width:mm0} is visible, not that of the cell's bin: is size_mm in "
         "[bin] right?"

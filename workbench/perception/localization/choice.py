@@ -78,9 +78,18 @@ class Choice:
 
 
 def are_in_bin(
-    surface: PartSurface, poses: Floats, T_scanner_bin: pin.SE3, bin: Bin, seen: SeenBin
+    surface: PartSurface,
+    poses: Floats,
+    T_scanner_bin: pin.SE3,
+    bin: Bin,
+    seen: SeenBin,
+    *,
+    tolerance: float = 0.0,
 ) -> np.ndarray:
-    """Which poses (k, 4, 4) [m] do not reach through floor or walls; they may stick out above."""
+    """Which poses (k, 4, 4) [m] do not reach through floor or walls; they may stick out above.
+
+    Poses are known to `tolerance` [m] only.
+    """
     points = surface.table.model.points
     # What lies far from the middle reaches out first: then few points have to be moved.
     distances = np.sum((points - surface.middle) ** 2, axis=1)
@@ -91,7 +100,7 @@ def are_in_bin(
         bin.size,
         seen.floor,
         seen.walls,
-        DEEP * surface.diameter,
+        max(DEEP * surface.diameter, tolerance),
     )
 
 

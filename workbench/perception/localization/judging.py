@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
+from typing import Protocol
 
 import numpy as np
 
@@ -32,13 +33,20 @@ SAME_SURFACE = 0.7
 """Parts of two kinds of which each explains this share of the other's pixels stand in one place."""
 
 
+class AreInside(Protocol):
+    """Says which poses may be at all."""
+
+    def __call__(self, surface: PartSurface, poses: Floats, *, tolerance: float) -> Bools:
+        """Of poses (k, 4, 4) [m] of a surface, known to a tolerance [m], which may be (k,)."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PartSearch:
     """The state of the search for one kind of part: depth maps, tolerances, accepted poses.
 
     `depth_map` is the scan as an image for this part, `coarse_map` the same with fewer pixels;
-    `tolerance` [m] see `sightings.look`, `spread` [m] see `likelihood`.  `are_inside` says which
-    poses (k, 4, 4) of a surface may be at all, (k,).  `least_ends` see
+    `tolerance` [m] see `sightings.look`, `spread` [m] see `likelihood`.  `least_ends` see
     `outline.has_visible_boundary`, `most` [nat] see `likelihood`; `is_loose` says that they are
     those of `loosening`; `filled` see `scene_model.SceneModel`; `eaten` [pixels] of outlines that
     the background eats, see `eaten`.  `heights` are those of points (n, 3) [m] in the scanner's
@@ -52,7 +60,7 @@ class PartSearch:
     coarse_map: DepthMap
     tolerance: float
     spread: float
-    are_inside: Callable[[PartSurface, Floats], Bools]
+    are_inside: AreInside
     choice: Choice
     least_ends: float = LEAST_ENDS
     most: float = MOST
@@ -66,7 +74,8 @@ class PartSearch:
     @property
     def are_possible(self) -> Callable[[Floats], Bools]:
         """Which poses (k, 4, 4) of the part may be at all, (k,)."""
-        return partial(self.are_inside, self.surface)
+        tolerance = self.tolerance if self.is_loose else 0.0
+        return partial(self.are_inside, self.surface, tolerance=tolerance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

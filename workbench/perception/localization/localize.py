@@ -132,9 +132,8 @@ def begin_search(
     """
     surface = prepare(part)
     pitch = surface.diameter / (PIXELS_ACROSS * detail)
-    depth_map = make_map(
-        _dense(scan, scene), cell.bin, scene.bin, size=surface.diameter, pitch=pitch
-    )
+    bin = scene.place
+    depth_map = make_map(_dense(scan, scene), bin, scene.bin, size=surface.diameter, pitch=pitch)
     if depth_map is None:
         return surface
     if scene.filled > 1.0:
@@ -144,15 +143,15 @@ def begin_search(
     noise = _noise(cell, scan, scene)
     tolerance = max(TOLERANCE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
     spread = max(SPREAD_OVER_NOISE * noise, LEAST_SPREAD * tolerance)
-    T_scanner_bin = scan.T_world_scanner.inverse() * cell.bin.T_world_bin
+    T_scanner_bin = scan.T_world_scanner.actInv(bin.T_world_bin)
 
-    def are_inside(shape: PartSurface, poses: Floats) -> np.ndarray:
-        return are_in_bin(shape, poses, T_scanner_bin, cell.bin, scene.bin)
+    def are_inside(surface: PartSurface, poses: Floats, *, tolerance: float) -> Bools:
+        return are_in_bin(surface, poses, T_scanner_bin, bin, scene.bin, tolerance=tolerance)
 
     def heights(points: Floats) -> Floats:
         T = T_scanner_bin.inverse()
         p_bin = points @ T.rotation.T + T.translation
-        return above_floor(scene.bin, cell.bin.size, p_bin)
+        return above_floor(scene.bin, bin.size, p_bin)
 
     choice = Choice(np.full(depth_map.depth.size, -1), [], [])
     coarse_map = _coarser(depth_map, surface)

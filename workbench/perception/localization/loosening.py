@@ -34,7 +34,7 @@ LOOSE_SPREAD, LOOSE_MOST = 0.15, 1.5
 LOOSE_ENDS = 0.75
 """Share of its outline at which a part must end then: an outline that is off lies on the next."""
 
-EXPLAINED, TIMES = 0.4, 1.5
+EXPLAINED, TIMES = 0.25, 1.5
 """They must explain this share then, and this many times what they did."""
 
 LEAST_SLOPE = 0.65

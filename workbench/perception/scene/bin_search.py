@@ -5,6 +5,7 @@ high over one of them as the bin is may be its rim: the smallest rectangle aroun
 From there on the rim is fitted as ever (`bin_check.rim_place`).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ import pinocchio as pin
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.part import Bin
 from workbench.perception.scene.bin_check import BAND, rim_place
+from workbench.perception.scene.floor_search import find_floor
 
 MOST, ROUNDS, PLANES = 20_000, 300, 4
 """Points that are checked, planes tried for each surface, and how many surfaces."""
@@ -28,6 +30,11 @@ OUTLYING = 0.5
 
 ALIKE = 0.15
 """Share by which the rectangle may be larger or smaller than the rim."""
+
+
+BELOW, SEEN_THROUGH = 0.012, 0.1
+"""[m] Points so far below a floor are seen through it; and the share of such from which on it is
+none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,19 +64,16 @@ def find_bin(points: Floats, bin: Bin) -> FoundBin:
     every, rng = left, np.random.default_rng(0)
     wanted = np.sort(np.asarray(bin.size[:2]) + 2 * bin.wall)[::-1]
     seen: tuple[float, float] | None = None
-    for _ in range(PLANES):
-        plane = _plane(left, rng)
-        if plane is None:
-            break
-        normal, height, on = plane
-        left = left[~on]
+    for normal, height in _floors(every, rng):
         over = every @ normal - height
         rim = every[np.abs(over - bin.size[2]) < BAND / 2]
         if len(rim) < 3 * PLANES:
             continue
-        T_scanner_guess, rectangle = _rectangle(rim, normal, height)
+        T_scanner_guess, rectangle = rectangle_around(rim, normal, height)
         if not (np.abs(np.array(rectangle) / wanted - 1) < ALIKE).all():
             seen = seen or rectangle
+            continue
+        if _is_seen_through(every, T_scanner_guess, rectangle):
             continue
         if bin.size[0] < bin.size[1]:
             T_scanner_guess = T_scanner_guess * pose_from_rpy((0, 0, 0), (0, 0, np.pi / 2))
@@ -79,6 +83,31 @@ def find_bin(points: Floats, bin: Bin) -> FoundBin:
         if T_guess_bin is not None:
             return FoundBin(T_scanner_guess * T_guess_bin, rectangle)
     return FoundBin(None, seen)
+
+
+def _floors(points: Floats, rng: np.random.Generator) -> Iterator[tuple[Floats, float]]:
+    """Planes that may be the floor, or what the bin stands on: normals and offsets [m]."""
+    floor = find_floor(points)
+    if floor is not None:
+        normal = floor[0].rotation[:, 2]
+        yield normal, float(normal @ floor[0].translation)
+    left = points
+    for _ in range(PLANES):
+        plane = _plane(left, rng)
+        if plane is None:
+            return
+        normal, height, on = plane
+        left = left[~on]
+        yield normal, height
+
+
+def _is_seen_through(
+    points: Floats, T_scanner_floor: pin.SE3, rectangle: tuple[float, float]
+) -> bool:
+    """Whether points (n, 3) [m] lie below what would be the floor within a rectangle."""
+    local = (points - T_scanner_floor.translation) @ T_scanner_floor.rotation
+    inside = (np.abs(local[:, :2]) < np.array(rectangle) / 2).all(axis=1)
+    return bool((local[inside, 2] < -BELOW).mean() > SEEN_THROUGH)
 
 
 def _plane(points: Floats, rng: np.random.Generator) -> tuple[Floats, float, np.ndarray] | None:
@@ -109,7 +138,9 @@ def _plane(points: Floats, rng: np.random.Generator) -> tuple[Floats, float, np.
     return normal, height, np.abs(points @ normal - height) < GATE
 
 
-def _rectangle(rim: Floats, normal: Floats, height: float) -> tuple[pin.SE3, tuple[float, float]]:
+def rectangle_around(
+    rim: Floats, normal: Floats, height: float
+) -> tuple[pin.SE3, tuple[float, float]]:
     """A frame on the plane, z along its normal, in the middle of the rectangle around a rim.
 
     Its x axis is along the longer side; the sides [m] come with it.

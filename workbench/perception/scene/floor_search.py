@@ -10,11 +10,14 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 
-MOST, ROUNDS = 4_000, 600
+MOST, ROUNDS = 4_000, 6_000
 """Points that are checked, and planes that are tried."""
 
 GATE = 0.006
 """[m] A point this near to a plane lies on it: floors of cartons are bent."""
+
+GATES = (0.006, 0.006, 0.004, 0.003, 0.003)
+"""[m] The same, step by step, once the floor is known: what lies on it would tilt it."""
 
 BEHIND = 2.0
 """What a point behind the plane counts against one on it."""
@@ -46,8 +49,8 @@ def find_floor(points: Floats) -> tuple[pin.SE3, Floats] | None:
     normal, height, value = _search(few, drawn, GATE, STEEPEST)
     if value < FEWEST * len(few):
         return None
-    for _ in range(3):
-        on = np.abs(few @ normal - height) < GATE
+    for gate in GATES:
+        on = np.abs(few @ normal - height) < gate
         middle = few[on].mean(axis=0)
         normal = np.linalg.svd(few[on] - middle, full_matrices=False)[2][2]
         normal = normal if normal @ middle < 0 else -normal

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_check import ENOUGH, REACH, rim_place
@@ -31,10 +31,12 @@ MOST_COUNTED = 50_000
 class SceneModel:
     """The bin as the scan shows it, and how good the scan is.
 
-    `points` (n, 3) [m] are those of the scan, a sparse one filled in; `filled` is how many there
-    are for each one that was measured, at least 1.
+    `place` is the cell's bin, moved to where its rim is seen if that is elsewhere, and `bin` its
+    surfaces there.  `points` (n, 3) [m] are those of the scan, a sparse one filled in; `filled` is
+    how many there are for each one that was measured, at least 1.
     """
 
+    place: Bin
     bin: SeenBin
     sensor: SensorModel
     points: Floats
@@ -61,9 +63,19 @@ def scene_model(scan: Scan, cell: Cell, *, smallest: float = 0.0) -> SceneModel:
     seen = fit_bin(dense, T_bin_scanner, bin, noise=deviation)
     if (seen.wall_shares < SEEN_WALL).any():
         points = dense[:: -(-len(dense) // ENOUGH)]
-        p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
-        seen = _by_rim(seen, rim_place(p_bin, bin), bin)
-    return SceneModel(seen, sensor, dense, filled)
+        T_bin_rim = rim_place(points @ T_bin_scanner.rotation.T + T_bin_scanner.translation, bin)
+        if T_bin_rim is not None and _is_far(T_bin_rim):
+            bin = replace(bin, T_world_bin=bin.T_world_bin * T_bin_rim)
+            seen = fit_bin(dense, T_bin_rim.actInv(T_bin_scanner), bin, noise=deviation)
+            T_bin_rim = pin.SE3.Identity()
+        seen = _by_rim(seen, T_bin_rim, bin)
+    return SceneModel(bin, seen, sensor, dense, filled)
+
+
+def _is_far(T_bin_rim: pin.SE3) -> bool:
+    """Whether a rim lies further away than floor and walls are searched for."""
+    shift, turn = shift_and_turn(T_bin_rim)
+    return shift > FARTHEST or turn > STEEPEST
 
 
 def _filled(
@@ -92,12 +104,10 @@ def _around(points: Floats, T_bin_scanner: pin.SE3, bin: Bin) -> Floats:
 
 
 def _by_rim(seen: SeenBin, T_bin_rim: pin.SE3 | None, bin: Bin) -> SeenBin:
-    """The bin with the surfaces that are not seen where a rim lies, if it is near enough."""
+    """The bin with the surfaces that are not seen where its rim is, if that is seen."""
     if T_bin_rim is None:
         return seen
     shift, turn = T_bin_rim.translation, pin.log3(T_bin_rim.rotation)
-    if np.linalg.norm(shift) > FARTHEST or np.linalg.norm(turn) > STEEPEST:
-        return seen
     walls = np.where((seen.wall_shares < SEEN_WALL)[:, None], _walls(shift, turn, bin), seen.walls)
     # Half the floor's sides take the tilt to metres, as its coefficients are.
     tilts = turn[[1, 0]] * (-1.0, 1.0) * bin.size[:2] / 2
