@@ -44,7 +44,7 @@ DRAWN_OFF = 0.002
 ROUGH, ROUGH_OFF = (100, 200, 400, 800), 0.006
 """The same for a rough look, with several times the tolerance: that takes half of a search."""
 
-FITTING, ROUGHLY_FITTING = 1.0, 0.98
+FITTING, ROUGHLY_FITTING = 0.95, 0.9
 """Share of the surface that must lie within these distances, of both."""
 
 ROUND = 0.02
