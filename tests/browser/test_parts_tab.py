@@ -1,5 +1,7 @@
 """A scan from a file in a real browser: parts found, one vetoed, one corrected by gizmo."""
 
+import re
+
 import numpy as np
 import pytest
 from hands import drag, first_look, pause, settle
@@ -46,6 +48,12 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     assert box.is_checked()
     box.click()
     screen.page.locator(".wb-rejected summary").click()
+
+    camera = first_look(screen.page, bench.state.cell)
+    highest = int(np.argmax([one.T_world_part.translation[2] for one in found]))
+    middle = bench.state.cell.part(found[highest].part).middle
+    screen.page.mouse.click(*camera.pixel(found[highest].T_world_part.act(middle)))
+    expect(rows.nth(highest)).to_have_attribute("style", re.compile("wb-chosen"))
 
     rows.nth(2).click()
     pause(screen.page, 300)

@@ -49,3 +49,15 @@ def test_how_sure_the_chosen_candidate_is_stands_below_the_table(panel, visitor,
     assert "Held so, the part lies &lt;there&gt;" in panel._sure_line.content
     panel.show(seen("held so"), seen(""))
     assert not panel._sure_line.visible
+
+
+def test_a_part_that_was_clicked_on_in_the_scene_filters_the_table(panel, visitor, states):
+    view = View(states.planned, Live(), visitor.look.now, (), 0.0)
+    everything = panel._shown
+    visitor.own.change(pointed=states.planned.detections[1])
+    panel.show(view, view)
+    parts = {states.planned.candidates[number].detection for number in panel._shown}
+    assert parts == {1} and len(panel._shown) < len(everything)
+    visitor.own.change(pointed=None)
+    panel.show(view, view)
+    assert panel._shown == everything

@@ -88,6 +88,32 @@ def test_what_is_clicked_twice_comes_into_the_middle_as_it_was_seen(visitor, sta
     assert camera.look_at is before, "nothing lies there"
 
 
+def test_a_click_on_a_part_chooses_it_and_one_beside_it_chooses_none(visitor, states, view_of):
+    looks = Looks(visitor)
+    looks.show(view_of(states.localized))
+    found = states.localized.detections
+    down = np.array([0.0, 0.0, -1.0])
+    for number, part in enumerate(found):
+        middle = states.localized.cell.part(part.part).middle
+        above = part.T_world_part.act(middle) + np.array([0.0, 0.0, 0.5])
+        looks._take_click(above, down, 10.0 * number)
+        assert visitor.own.now.pointed is part
+        looks._take_click(above, -down, 10.0 * number + 5.0)
+        assert visitor.own.now.pointed is None
+    visitor.client.scene.add_frame(STAGE)
+    looks._take_click(above, down, 99.0)
+    assert visitor.own.now.pointed is None, "the part stands alone"
+
+
+def test_a_part_behind_the_floor_is_not_clicked_on(visitor, states, view_of):
+    looks = Looks(visitor)
+    looks.show(view_of(states.localized))
+    part = states.localized.detections[0]
+    below = part.T_world_part.translation - np.array([0.0, 0.0, 0.5])
+    looks._take_click(below, np.array([0.0, 0.0, 1.0]), 1.0)
+    assert visitor.own.now.pointed is None, "the floor of the bin is in front"
+
+
 def test_a_centred_camera_is_moved_and_not_turned():
     camera = np.array([1.0, 2.0, 3.0]), np.array([0.0, 0.0, 0.5])
     position, centre = centre_camera(camera, np.array([0.2, 0.0, 0.0]))

@@ -52,6 +52,18 @@ def test_the_first_of_the_parts_found_is_chosen(panel):
     assert panel._visitor.own.now.part is panel._visitor.bench.state.detections[0]
 
 
+def test_a_part_that_was_clicked_on_in_the_scene_is_chosen(panel, bench, draw):
+    panel._visitor.own.change(pointed=bench.state.detections[2])
+    draw()
+    assert marked(panel) == [False, False, True]
+    panel._choose(1)
+    draw()
+    assert marked(panel) == [False, True, False], "the click is not taken twice"
+    panel._visitor.own.change(pointed=None)
+    draw()
+    assert marked(panel) == [False, True, False]
+
+
 def test_a_choice_stays_with_its_part_when_somebody_else_vetoes_one_before_it(panel, bench, draw):
     _, second, third = bench.state.detections
     panel._choose(1)

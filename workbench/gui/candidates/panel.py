@@ -32,6 +32,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.page import PageText
 from workbench.model.candidate import Candidate, Reason
 from workbench.model.messages.message import as_message
+from workbench.model.scan import Detection
 
 
 class CandidatesPanel:
@@ -53,6 +54,7 @@ class CandidatesPanel:
         self._flight = CameraFlight(visitor)
         self._order = self._drawn = CandidateOrder()
         self._shown: tuple[int, ...] = ()
+        self._pointed: Detection | None = None
         gui = visitor.gui
         self._by_part = gui.add_html("")
         self._funnel = gui.add_html("")
@@ -102,6 +104,7 @@ class CandidatesPanel:
         """Bring what is shown from `old` to `new`."""
         candidates = new.state.candidates or ()
         are_others = old is None or old.state.candidates is not new.state.candidates
+        self._follow_click(new)
         if are_others or self._order is not self._drawn:
             self._draw(candidates, are_others)
         chosen = new.look.candidate
@@ -124,6 +127,15 @@ class CandidatesPanel:
             )
             self._sure_line.visible = bool(new.sure)
         self._fix.show(old, new, new.fix)
+
+    def _follow_click(self, view: View) -> None:
+        """Show the candidates of the part that was clicked on in the scene since, or of all."""
+        pointed, found = self._visitor.own.now.pointed, view.state.detections or ()
+        if pointed is self._pointed:
+            return
+        self._pointed = pointed
+        part = next((number for number, each in enumerate(found) if each is pointed), None)
+        self._order = replace(self._order, part=part, only=None, page=0)
 
     def _draw_pose(self, old: View | None, new: View) -> None:
         count = len(new.poses)

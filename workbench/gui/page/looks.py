@@ -1,6 +1,6 @@
 """Ways to look at the cell that a key or a press brings back: default, top, front, bin, selected.
 
-A double click brings what lies there into the middle.
+A click on a part chooses it; a double click brings what lies there into the middle.
 """
 
 import itertools
@@ -15,7 +15,7 @@ import numpy as np
 from viser._messages import HotkeyKey
 
 from workbench.app.core.state import State
-from workbench.gui.scene.measure import pointed_at
+from workbench.gui.scene.measure import part_at, pointed_at
 from workbench.gui.scene.stage import STAGE
 from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, frame_camera
 from workbench.gui.scene.surroundings import interesting_points as whole
@@ -173,6 +173,8 @@ class Looks:
         ray = direction / np.linalg.norm(direction)
         is_double = at - before <= DOUBLE_CLICK and ray @ way >= math.cos(SAME)
         self._click = (-math.inf, way) if is_double else (at, ray)
+        if self._view is not None and not is_double:
+            self._point_at(self._view, origin, ray)
         point = pointed_at(self._view, origin, ray) if is_double and self._view else None
         if point is None:
             return
@@ -180,6 +182,12 @@ class Looks:
         seen = np.array(client.camera.position), np.array(client.camera.look_at)
         with client.atomic():
             client.camera.position, client.camera.look_at = centre_camera(seen, point)
+
+    def _point_at(self, view: View, origin: Floats, ray: Floats) -> None:
+        if self._visitor.client.scene.get_handle_by_name(STAGE) is not None:
+            return  # the part stands alone: its grasps are clicked on
+        number, found = part_at(view, origin, ray), view.state.detections or ()
+        self._visitor.own.change(pointed=None if number is None else found[number])
 
     def _type(self, name: str) -> None:
         # While the part stands alone the same keys move its grasp.

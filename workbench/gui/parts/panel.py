@@ -65,6 +65,7 @@ class PartsPanel:
         self._visitor = visitor
         self._flight = CameraFlight(visitor)
         self._chosen: Detection | None = None
+        self._pointed: Detection | None = None
         self._shown: tuple[Detection, ...] = ()
         self._sent: object = None
         gui = visitor.gui
@@ -147,6 +148,7 @@ class PartsPanel:
         self._keeping.show(old, new)
         self._avoided.content = avoided_html(state, new.at, self._visitor.words)
         if old is not None and old.state is state:
+            self._follow_click(found)
             return
         self._forget.visible = bool(state.avoided)
         kinds = _kinds(state.cell)
@@ -184,6 +186,17 @@ class PartsPanel:
         if _place(found, self._chosen) is None:
             self._chosen = None
         self._shown = found
+
+    def _follow_click(self, found: tuple[Detection, ...]) -> None:
+        """Choose what was clicked on in the scene since."""
+        pointed = self._visitor.own.now.pointed
+        if pointed is self._pointed:
+            return
+        self._pointed = pointed
+        if _place(found, pointed) is not None:
+            self._chosen = pointed
+            self._visitor.admit(self._veto, self._visitor.bench.state, UseDetections)
+            self._draw(found)
 
     def _draw(self, found: tuple[Detection, ...]) -> None:
         chosen, visitor = self._chosen, self._visitor

@@ -9,7 +9,7 @@ from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.shared.look import View
 from workbench.model.cell import Cell
 from workbench.model.derived.by_bin import surfaces
-from workbench.model.geometry import Floats, Solid
+from workbench.model.geometry import Floats, Shape, Solid
 from workbench.planning.kinematics.robot import Kinematics
 
 NEAR_RAY = 0.003
@@ -47,6 +47,32 @@ def pointed_at(view: View, origin: Floats, direction: Floats) -> Floats | None:
     # The robot as it is drawn, not as it stands at home.
     q = {arm: moment.q for arm, moment in view.moments.items()}
     return pick_point(origin, direction, view.state.cell, q, points)
+
+
+def part_at(view: View, origin: Floats, direction: Floats) -> int | None:
+    """The number of the part found that a ray meets before anything of cell or robot, if any.
+
+    Args:
+        view: what is seen.
+        origin: of the ray (3,) [m], world frame.
+        direction: of the ray (3,).
+    """
+    state = view.state
+    ray = np.asarray(direction) / np.linalg.norm(direction)
+    distances = [
+        _triangle_distances(
+            origin, ray, _placed(found.T_world_part, state.cell.part(found.part).mesh)
+        ).min(initial=np.inf)
+        for found in state.detections or ()
+    ]
+    nearest = int(np.argmin(distances)) if distances else 0
+    if not distances or not np.isfinite(distances[nearest]):
+        return None
+    q = {arm: moment.q for arm, moment in view.moments.items()}
+    before = pick_point(origin, direction, state.cell, q, np.zeros((0, 3)))
+    if before is not None and (before - origin) @ ray < distances[nearest]:
+        return None
+    return nearest
 
 
 def clear_way(
@@ -89,11 +115,15 @@ def _corners(T: pin.SE3, solids: tuple[Solid, ...]) -> Floats:
     """Triangles (n, 3, 3) in the world."""
     found = [np.zeros((0, 3, 3))]
     for solid in solids:
-        surface = triangles_of(solid.shape)
-        U = T * solid.T_owner_shape
-        points = np.asarray(surface.vertices) @ U.rotation.T + U.translation
-        found.append(points[np.asarray(surface.faces)])
+        found.append(_placed(T * solid.T_owner_shape, solid.shape))
     return np.concatenate(found)
+
+
+def _placed(T: pin.SE3, shape: Shape) -> Floats:
+    """Triangles (n, 3, 3) [m] of a shape at a pose."""
+    surface = triangles_of(shape)
+    points = np.asarray(surface.vertices) @ T.rotation.T + T.translation
+    return points[np.asarray(surface.faces)]
 
 
 def _triangle_distances(origin: Floats, ray: Floats, corners: Floats) -> Floats:

@@ -77,7 +77,7 @@ class Own:
     what is shown of the candidates while something is dragged, `carried` what of the scene follows
     the hand that drags; `thing` is what of the cell was
     chosen to be moved, empty where a candidate was chosen since; `part` is the part found that was
-    chosen.
+    chosen, `pointed` the one that was clicked on in the scene last.
     """
 
     jog: Mapping[str, Floats] | None = None
@@ -90,6 +90,7 @@ class Own:
     carried: Carried | None = None
     thing: str = ""
     part: Detection | None = None
+    pointed: Detection | None = None
 
     @property
     def hides_robot(self) -> bool:
