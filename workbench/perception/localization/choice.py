@@ -31,8 +31,8 @@ simulated and real scans, none had less than -0.31 before it."""
 LEAST_PIXELS = 40
 
 DEEP, MOST_DEEP = 0.03, 0.02
-"""Two parts, or part and bin, exclude each other when more than this share of the surface is
-deeper inside than this share of the diameter."""
+"""Parts exclude each other, and what the bin fills, when they reach into each other: deeper than
+this share of the diameter with more than this share of the surface."""
 
 SAME_PLACE = 0.15
 """Parts whose middles are closer than this share of the diameter are one place."""
