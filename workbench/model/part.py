@@ -316,8 +316,8 @@ class Part(Shared, FactsRepr):
 
     `grasps` are those of the library and what the symmetry makes of them, no grip twice.
     `friction`, no unit, is that against what holds it, `tolerance` [m] how far its surface may lie
-    off the mesh; None where nobody says it.  `colours` (m, 3) of the mesh's triangles, 0 to 255 in
-    sRGB, decide where shape leaves kind or turn open.
+    off the mesh; None where not stated.  `colours` (m, 3) of its triangles, 0 to 255 in sRGB, decide
+    between kinds or turns.  It is `scale` times as large as its file, and `offset` [m] outside.
     """
 
     name: str
@@ -329,6 +329,8 @@ class Part(Shared, FactsRepr):
     friction: float | None = field(default_factory=lambda: None, metadata=LATER)
     colours: np.ndarray | None = field(default_factory=lambda: None, metadata=LATER)
     tolerance: float | None = field(default_factory=lambda: None, metadata=LATER)
+    scale: float = field(default_factory=lambda: 1.0, metadata=LATER)
+    offset: float = field(default_factory=float, metadata=LATER)
     digest: str = field(init=False, repr=False)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
@@ -336,10 +338,8 @@ class Part(Shared, FactsRepr):
         if self.colours is not None:
             shape, triangles = np.shape(self.colours), self.mesh.triangles
             if shape != triangles.shape:
-                says = CellText.TRIANGLE_COLOURS(
-                    part=self.name, triangles=len(triangles), shape=str(shape)
-                )
-                raise InputError(says)
+                given = {"part": self.name, "triangles": len(triangles), "shape": str(shape)}
+                raise InputError(CellText.TRIANGLE_COLOURS(**given))
             put(self, colours=frozen(self.colours, np.uint8))
         put(self, digest=digest_of(self), grasps=with_symmetry(self.library, self.symmetry))
 
@@ -352,8 +352,8 @@ class Part(Shared, FactsRepr):
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
         size = " x ".join(f"{side * 1000:.0f}" for side in np.ptp(self.mesh.points, axis=0))
-        grasps, triangles = len(self.grasps), len(self.mesh.triangles)
-        return {"name": self.name, "mm": size, "grasps": grasps, "triangles": triangles}
+        counts = {"grasps": len(self.grasps), "triangles": len(self.mesh.triangles)}
+        return {"name": self.name, "mm": size, **counts}
 
 
 def grasps_of(entry: Entry) -> tuple[Grasp, ...]:

@@ -121,8 +121,10 @@ def test_cad_files_of_a_wrong_size_are_told_with_the_parts_they_belong_to(site):
     site.effects.live = Live(findings=LocalizationResult(found, (), sizes))
     told = ["the CAD file of bolt seems 3.1% too large for the scan"]
     assert site.get("/state").json()["wrong_sizes"] == told
+    assert site.get("/state").json()["wrong_parts"] == ["bolt"]
     site.effects.live = Live(findings=LocalizationResult(found[:1], (), sizes))
     assert site.get("/state").json()["wrong_sizes"] == []
+    assert site.get("/state").json()["wrong_parts"] == []
 
 
 def test_a_task_is_told_while_it_runs_and_can_be_cancelled(site):

@@ -6,6 +6,7 @@ from workbench.app.core import control, session
 from workbench.app.core.cell import (
     bins,
     changes,
+    correcting,
     emptying,
     kits,
     making,
@@ -49,6 +50,7 @@ SUBJECTS = (
     kits,
     part_edits,
     making,
+    correcting,
     emptying,
     control,
     session,

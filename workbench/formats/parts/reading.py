@@ -47,11 +47,16 @@ ROUNDED = 1e-5
 """What two directions may lack to a right angle: they are written with six digits."""
 
 
-def read_part(name: str | Path) -> Part:
+def read_part(name: str | Path, shape: tuple[float, float] | None = None) -> Part:
     """A part by name under `parts/`, or by the path of its folder or `part.toml`.
 
     Without `[[piece]]` tables its mesh is divided into convex pieces that are no more than
     `tolerance_mm` too large, as long as `MOST_PIECES` are enough.
+
+    Args:
+        name: of the part.
+        shape: its size over its CAD file, no unit, and by which its surface lies outside of that
+            [m]; None: as the file states them.
 
     Raises:
         FileError: names the file and the key that is wrong.
@@ -69,6 +74,7 @@ def read_part(name: str | Path) -> Part:
         colours = read_face_colours(path.parent / mesh_table.text("file"), len(mesh.triangles))
     scale = mesh_table.number("scale", 1.0, low=LEAST_SCALE, high=MOST_SCALE)
     offset = mesh_table.number("offset_mm", 0.0, low=-MOST_OFFSET, high=MOST_OFFSET) / 1000
+    scale, offset = shape or (scale, offset)
     stated = mesh_table.has("tolerance_mm")
     off = mesh_table.number("tolerance_mm", 0.0, low=0.0, high=MOST_OFFSET) / 1000
     mesh_table.finish()
@@ -95,7 +101,7 @@ def read_part(name: str | Path) -> Part:
         )
     return Part(
         part_name, mesh, pieces, mass, symmetry, library, friction, colours,
-        off if stated else None,
+        off if stated else None, scale, offset,
     )  # fmt: skip
 
 

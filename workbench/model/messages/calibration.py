@@ -214,4 +214,5 @@ class ScaleText(Text, subject="scale"):
     LARGE = "the CAD file of {part} seems {share}% too large for the scan"
     SMALL = "the CAD file of {part} seems {share}% too small for the scan"
     INSIDE = "the surface of {part} seems to lie {distance:mm} inside of its CAD file"
+    AS_IT_IS = "the scan shows {part} in the size that it has"
     OUTSIDE = "the surface of {part} seems to lie {distance:mm} outside of its CAD file"

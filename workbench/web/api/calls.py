@@ -6,6 +6,7 @@ from typing import Any, get_args
 
 from workbench.app.core.cell.bins import ChooseBin, NewBin
 from workbench.app.core.cell.changes import EmptyPallets, RedoCell, SaveCell, UndoCell
+from workbench.app.core.cell.correcting import CorrectPart
 from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.core.cell.kits import NewKit
 from workbench.app.core.cell.recipes import ChooseRecipe
@@ -377,6 +378,13 @@ CALLS: tuple[Call, ...] = (
         "Write the changes of the cell and its parts to their files.",
         SaveCell,
         (Field("remark", "why it was changed", _text(LONGEST_TEXT), ""),),
+    ),
+    Call(
+        "/part/correct",
+        "Have a part as large as the scan shows it, and search again; written as by Save.",
+        CorrectPart,
+        (Field("part", "one of the `wrong_parts` of the state", _text(LONGEST_NAME)),),
+        begins=True,
     ),
     Call("/control/ask", "Ask for control.", AskForControl),
     Call("/control/take", "Take control.", TakeControl),
