@@ -42,11 +42,11 @@ def test_a_part_is_corrected_to_the_size_that_the_scan_shows(screen, bench, wait
     screen.press("Find parts")
     reaches("localized")
     screen.wait_for(f"The CAD file of {PART} seems")
-    button = screen.button(f"Correct part {PART}")
+    button = screen.button(f"Correct {PART}")
     screen.shoot("correcting-1-too-large")
     screen.press("Plan")
     wait(lambda: bench.state.job is None and bench.state.candidates is not None, "no planning")
-    screen.press(f"Correct part {PART}")
+    screen.press(f"Correct {PART}")
     wait(lambda: bench.state.cell.parts[0].scale < 1.01, "the part is as large as before")
     found = reaches("localized")
     assert found.candidates is None and found.plan is None and len(found.detections) == 4

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from workbench.app.core.cell.changes import RedoCell, UndoCell
-from workbench.app.core.cell.correcting import CorrectPart
 from workbench.app.core.command import Entry
+from workbench.app.core.cycle.correcting import CorrectPart
 from workbench.app.core.cycle.jobs import CancelJob, JobEnded
 from workbench.app.core.decide import check_allowed, decide
 from workbench.app.core.effects import StartJob, UseCell, WriteCell

@@ -6,7 +6,6 @@ from workbench.app.core import control, session
 from workbench.app.core.cell import (
     bins,
     changes,
-    correcting,
     emptying,
     kits,
     making,
@@ -18,6 +17,7 @@ from workbench.app.core.command import Command
 from workbench.app.core.cycle import (
     ahead,
     approval,
+    correcting,
     jobs,
     outcomes,
     parts,

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from workbench.app.core.cell.correcting import CORRECT
+from workbench.app.core.cycle.correcting import CORRECT
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.decide import decide
 from workbench.app.core.effects import StartJob

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from workbench.app.calibration.held_plate import simulated_sight
-from workbench.app.core.cell.correcting import CORRECT
 from workbench.app.core.cycle.arm_scanner import view_problem
+from workbench.app.core.cycle.correcting import CORRECT
 from workbench.app.emptying.film import Filmed
 from workbench.app.picking.exactness import with_exactness
 from workbench.app.picking.glance import Glance, apply_change, glance_at

@@ -80,12 +80,15 @@ def read_part(name: str | Path, shape: tuple[float, float] | None = None) -> Par
     mesh_table.finish()
     symmetry = _symmetry(table.table("symmetry")) if table.has("symmetry") else Symmetry()
     fixed = np.array(symmetry.point)
-    mesh = grow_mesh(scale_mesh(mesh, scale, fixed), offset)
+    as_filed, mesh = mesh, grow_mesh(scale_mesh(mesh, scale, fixed), offset)
     pieces = tuple(scale_solid(read_solid(piece), scale, fixed) for piece in table.tables("piece"))
     tolerance = table.number("tolerance_mm", tolerance_of(mesh) * 1000, low=0.01, high=100) / 1000
     # Bodies of a smaller part stay as they are: shrunk ones would no longer meet each other.
     room = off + (max(offset, 0.0) if pieces else 0.0)
-    if not pieces:
+    if not pieces and offset == 0.0 and scale < 1.0:
+        # None is made anew: these are too large by no more than those of the file.
+        pieces = tuple(scale_solid(p, scale, fixed) for p in _pieces(table, as_filed, tolerance))
+    elif not pieces:
         pieces = _pieces(table, mesh, tolerance)
     if room > 0.0:
         pieces = tuple(grow_solid(piece, room) for piece in pieces)

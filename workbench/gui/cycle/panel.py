@@ -7,10 +7,10 @@ from typing import Any
 import viser
 
 from workbench.app.core.cell.changes import ChangeCell
-from workbench.app.core.cell.correcting import CorrectPart
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.approval import Approve, standing_votes
 from workbench.app.core.cycle.arm_scanner import is_at_view
+from workbench.app.core.cycle.correcting import CorrectPart
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
@@ -116,6 +116,7 @@ class CyclePanel:
             self._parts_line = gui.add_html("")
             self._find = gui.add_button("Find parts", icon=viser.Icon.SEARCH)
             self._wrong: tuple[str, ...] = ()
+            self._beside_correct = gui.add_html('<div class="wb-span2"></div>', visible=False)
             self._correct = gui.add_button(
                 "·",
                 icon=viser.Icon.RULER_2,
@@ -255,7 +256,7 @@ class CyclePanel:
     def _show_wrong(self, state: State, wrong: tuple[str, ...]) -> None:
         """Offer to correct the first of the parts whose size or surface the scan shows off."""
         self._wrong = wrong
-        self._correct.visible = bool(wrong)
+        self._correct.visible = self._beside_correct.visible = bool(wrong)
         if wrong:
             label = CyclePageText.CORRECT_PART(part=wrong[0])
             self._correct.label = self._visitor.words.render(label)

@@ -115,6 +115,7 @@ class EditText(Text, subject="edit"):
     PART_SCALED = "{part} is {scale} times as large as its CAD file"
     PART_GROWN = "the surface of {part} lies {offset:mm2} outside of its CAD file"
     SCANNER_MOVED = "{by} moved the scanner to where recorded scans show it"
+    SCANNER_FITTED = "the scanner is fitted to {file}"
     CALIBRATED = "{by} calibrated the scanner with {used} {used:pose|poses}"
     POSE_USED = "{pose} is used again"
     POSE_LEFT_OUT = "{pose} is left out"

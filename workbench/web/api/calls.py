@@ -6,7 +6,6 @@ from typing import Any, get_args
 
 from workbench.app.core.cell.bins import ChooseBin, NewBin
 from workbench.app.core.cell.changes import EmptyPallets, RedoCell, SaveCell, UndoCell
-from workbench.app.core.cell.correcting import CorrectPart
 from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.core.cell.kits import NewKit
 from workbench.app.core.cell.recipes import ChooseRecipe
@@ -21,6 +20,7 @@ from workbench.app.core.control import (
 )
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.correcting import CorrectPart
 from workbench.app.core.cycle.jobs import CancelJob
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ForgetAvoided, ReportPick
 from workbench.app.core.cycle.parts import FindParts
@@ -325,16 +325,8 @@ CALLS: tuple[Call, ...] = (
             Field("why", "what is known about a failure", _text(LONGEST_TEXT), ""),
         ),
     ),
-    Call(
-        "/forget-avoided",
-        "Avoid no part any more because its pick has failed.",
-        ForgetAvoided,
-    ),
-    Call(
-        "/empty-pallets",
-        "Say that what was put down has been taken away.",
-        EmptyPallets,
-    ),
+    Call("/forget-avoided", "Avoid no part any more because its pick has failed.", ForgetAvoided),
+    Call("/empty-pallets", "Say that what was put down has been taken away.", EmptyPallets),
     Call(
         "/note",
         "Write into the session what somebody saw or did at the cell.",

@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from workbench.app.core.cell.changes import change_whole
-from workbench.app.core.cell.correcting import CORRECT, with_corrected
 from workbench.app.core.cell.making import with_made
 from workbench.app.core.command import EVERY, Command, Decision, Entry, Right
 from workbench.app.core.cycle.ahead import brought_ahead, given_up
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
+from workbench.app.core.cycle.correcting import CORRECT, with_corrected
 from workbench.app.core.cycle.results import gone_on, with_result
 from workbench.app.core.effects import StopJob
 from workbench.app.core.state import Phase, State
