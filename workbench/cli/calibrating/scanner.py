@@ -40,6 +40,7 @@ def fit(typed: arguments.ScannerFit) -> int:
             print(f"- {line}")
         if typed.write:
             print(f"written into {cell_path(typed.cell)}")
+            print(f"next: `workbench localize {typed.cell} --scan {typed.scan}`")
     return NO_PLAN if seen.says else SUCCESS
 
 

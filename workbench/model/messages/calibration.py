@@ -145,10 +145,13 @@ class BinText(Text, subject="bin"):
     IN_PLACE = "the bin is where it should be, within {off:mm}"
     AT_HEIGHT = "parts lie as high as they should, within {off:mm}"
     FULL = "{bin}, {fill:%} full"
-    NO_RIM = "no rim of the bin within {reach:mm0} of its place in the cell: is the bin there?"
+    NO_RIM = (
+        "no rim of the bin within {reach:mm0} of its place in the cell: is the bin there, and are "
+        "its size_mm and walls in the cell file right?"
+    )
     RIM_COVERED = (
         "no rim of the bin within {reach:mm0} of its place in the cell: something is {above:mm0} "
-        "above it"
+        "above it; are its size_mm and walls in the cell file right?"
     )
     TOO_FULL = "the bin is too full: parts lie {above:mm0} above its rim"
     STANDS_OUT = "a part stands {above:mm0} above the rim"
