@@ -5,20 +5,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from workbench.app.core.state import State
 from workbench.app.filling.found_grips import make_found_commands
+from workbench.app.picking.fixing import make_fix_command
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.parts.reading import read_part
-from workbench.model.candidate import Reason
+from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.grasps import FixText
 from workbench.model.messages.proofs import ProofText
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import GraspLibrary, widen_grasp
+from workbench.model.part_edits import grasp_of
 from workbench.model.scan import Detection
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.grasp_suggestions import suggest
+from workbench.planning.picking.nearest_fix import Fix
 
 PART = "keyed_cylinder"
 
@@ -133,3 +138,15 @@ def test_a_grip_that_a_plan_finds_is_as_open_and_goes_without_that_into_the_libr
     assert found.opening - found.grip >= 0.004
     (command,) = make_found_commands(cell, result.plan)
     assert command.now[0].opening == pytest.approx(found.opening - 0.004)
+
+
+def test_a_fix_of_the_opening_changes_the_grasp_as_it_is_authored(cell_with):
+    cell = cell_with(2.0)
+    detections, grasp = lying(cell), cell.parts[0].grasps[0]
+    refused = Verdict(Reason.IN_COLLISION, Stage.GRASP)
+    candidate = Candidate(0, grasp, "left", pose_from_rpy((0.0, 0.0, 0.0)), 0.0, refused)
+    state = State(cell, detections=detections, candidates=(candidate,))
+    wider = replace(grasp, opening=grasp.opening + 0.003)
+    command = make_fix_command(state, Fix(candidate, FixText.OPENING(opening=0.047), wider))
+    (was,), (now,) = command.was, command.now
+    assert grasp_of(now).opening == pytest.approx(grasp_of(was).opening + 0.003)
