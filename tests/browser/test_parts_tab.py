@@ -7,8 +7,9 @@ import pytest
 from hands import drag, first_look, pause, settle
 from playwright.sync_api import expect
 
+from workbench.app.core.cell.changes import UndoCell
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.clouds.scans import write_cloud
+from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.gui.parts.panel import GIZMO
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
@@ -84,6 +85,31 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     screen.page.get_by_text("by hand").first.wait_for()
     screen.shoot("parts-corrected")
     assert screen.errors == []
+
+
+@pytest.mark.extensive
+def test_a_first_scan_in_another_unit_and_other_axes_fits_the_scanner(
+    screen, bench, wait, scan_file, tmp_path
+):
+    cell, file = bench.state.cell, tmp_path / "first.ply"
+    write_cloud(file, read_scan(scan_file, cell.scanner), unit="mm", axes="z_back")
+    screen.tab("Parts")
+    with screen.page.expect_file_chooser() as chooser:
+        screen.press("Scan from file")
+    chooser.value.set_files(file)
+    screen.wait_for("workbench scanner fit")
+    assert bench.state.scan is None
+    with screen.page.expect_file_chooser() as chooser:
+        screen.press("Fit scanner to file")
+    chooser.value.set_files(file)
+    wait(lambda: bench.state.scan is not None, "no scan was taken")
+    scanner = bench.state.cell.scanner
+    assert (scanner.unit, scanner.cloud_axes) == ("mm", "z_back")
+    off = scanner.T_world_scanner.translation - cell.scanner.T_world_scanner.translation
+    assert np.linalg.norm(off) < 0.005
+    screen.shoot("parts-fitted")
+    bench.do(UndoCell(), "Ada")
+    assert bench.state.cell.digest == cell.digest
 
 
 def test_a_file_that_is_no_scan_is_refused_in_words(screen, bench, tmp_path):

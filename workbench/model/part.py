@@ -20,7 +20,7 @@ from workbench.model.geometry import (
     put,
 )
 from workbench.model.messages.cells import CellText
-from workbench.model.symmetry import Symmetry, turn_about
+from workbench.model.symmetry import Symmetry, make_turn
 
 SAME_PLACE, SAME_TURN = 5e-4, np.deg2rad(0.5)
 """[m, rad] Grips that differ by less are the same."""
@@ -187,10 +187,9 @@ class PartPlace:
     are how far from there a plan may put it.  `approach` (3,) is the direction in the world in
     which it comes there straight at last, over `length` [m].
 
-    Places of one `pallet` in layers have its number, counted from 1 in their arm, and 0 where a
-    place is of none.  `layer` counts from 1, the lowest; parts of the next one stand on those of
-    it: it takes them when every place beneath has one, none when one lies above.  `name` is for
-    recipes; several places may share it.
+    Places of one `pallet` in layers have its number, from 1 in their arm; 0: of none.  `layer`
+    counts from 1, the lowest; parts of the next one stand on those of it: it takes them when every
+    place beneath has one, none when one lies above.  `name` is for recipes; several may share it.
     """
 
     T_world_part: pin.SE3
@@ -287,8 +286,7 @@ class Bin:
     @property
     def solids(self) -> tuple[Solid, ...]:
         """Floor, and walls where it has any, as boxes in its frame: floor, x+, x-, y+, y-."""
-        length, width, height = self.size
-        wall = self.wall
+        (length, width, height), wall = self.size, self.wall
         outer = (length + 2 * wall, width + 2 * wall)
         colour = (0.45, 0.52, 0.6)
 
@@ -314,10 +312,10 @@ TURNED = "@"
 class Part(Shared, FactsRepr):
     """A part: its surface, convex solids for collision and physics, symmetry and grasps.
 
-    `grasps` are those of the library and what the symmetry makes of them, no grip twice.
+    `grasps` are those of library and symmetry, no grip twice, as open as `tolerance` asks.
     `friction`, no unit, is that against what holds it, `tolerance` [m] how far its surface may lie
-    off the mesh; None where nobody says it.  `colours` (m, 3) of the mesh's triangles, 0 to 255 in
-    sRGB, decide where shape leaves kind or turn open.
+    off the mesh; None where not stated.  `colours` (m, 3) of triangles, 0 to 255 in sRGB, decide
+    between kinds or turns.  It is `scale` times as large as its file, and `offset` [m] outside.
     """
 
     name: str
@@ -329,6 +327,8 @@ class Part(Shared, FactsRepr):
     friction: float | None = field(default_factory=lambda: None, metadata=LATER)
     colours: np.ndarray | None = field(default_factory=lambda: None, metadata=LATER)
     tolerance: float | None = field(default_factory=lambda: None, metadata=LATER)
+    scale: float = field(default_factory=lambda: 1.0, metadata=LATER)
+    offset: float = field(default_factory=float, metadata=LATER)
     digest: str = field(init=False, repr=False)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
@@ -336,12 +336,12 @@ class Part(Shared, FactsRepr):
         if self.colours is not None:
             shape, triangles = np.shape(self.colours), self.mesh.triangles
             if shape != triangles.shape:
-                says = CellText.TRIANGLE_COLOURS(
-                    part=self.name, triangles=len(triangles), shape=str(shape)
-                )
-                raise InputError(says)
+                given = {"part": self.name, "triangles": len(triangles), "shape": str(shape)}
+                raise InputError(CellText.TRIANGLE_COLOURS(**given))
             put(self, colours=frozen(self.colours, np.uint8))
-        put(self, digest=digest_of(self), grasps=with_symmetry(self.library, self.symmetry))
+        authored = with_symmetry(self.library, self.symmetry)
+        grasps = tuple(widen_grasp(grasp, self.tolerance) for grasp in authored)
+        put(self, digest=digest_of(self), grasps=grasps)
 
     @property
     def middle(self) -> Floats:
@@ -361,16 +361,16 @@ def grasps_of(entry: Entry) -> tuple[Grasp, ...]:
     return entry.grasps if isinstance(entry, GraspPattern) else (entry,)
 
 
-def make_turn(axis: Floats, angle: float, through: Floats | None = None) -> pin.SE3:
-    """The turn by `angle` [rad] about an axis (3,) through a point (3,) [m], or the origin."""
-    R = turn_about(axis, angle)
-    return pin.SE3(R, np.zeros(3) if through is None else through - R @ through)
+def widen_grasp(grasp: Grasp, tolerance: float | None) -> Grasp:
+    """The grasp, if it closes, open on arrival for a part `tolerance` [m] larger all around."""
+    if not tolerance or grasp.grip == 0.0:
+        return grasp
+    return replace(grasp, opening=grasp.opening + 2 * tolerance)
 
 
 def with_symmetry(library: GraspLibrary, symmetry: Symmetry) -> tuple[Grasp, ...]:
     """The grasps of a library, and what a symmetry makes of them, no grip twice."""
-    found = list(library.grasps)
-    turns = symmetry.turns
+    found, turns = list(library.grasps), symmetry.turns
     # Where the grips found so far are: only those nearby are compared, as a gear has thousands.
     places = np.empty((len(found) * (1 + len(turns)), 3))
     for row, grasp in enumerate(found):

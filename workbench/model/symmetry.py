@@ -201,6 +201,12 @@ def turn_about(axis: Floats, angle: float) -> Floats:
     return np.array(pin.AngleAxis(angle, np.array(axis)).matrix())
 
 
+def make_turn(axis: Floats, angle: float, through: Floats | None = None) -> pin.SE3:
+    """The turn by `angle` [rad] about an axis (3,) through a point (3,) [m], or the origin."""
+    R = turn_about(axis, angle)
+    return pin.SE3(R, np.zeros(3) if through is None else through - R @ through)
+
+
 def _angles(fold: int, steps: int) -> Floats:
     count = fold or steps
     return np.arange(count) * 2 * np.pi / count

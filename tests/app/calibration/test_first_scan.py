@@ -33,7 +33,7 @@ def scan(cell) -> Scan:
 
 
 def looked(path: Path, cell: Cell):
-    return first_scan(path, path.read_bytes(), cell)
+    return first_scan(path, path.read_bytes(), cell.scanner, cell.bin)
 
 
 def off(cell: Cell, T: pin.SE3) -> tuple[float, float]:

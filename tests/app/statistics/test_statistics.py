@@ -12,6 +12,7 @@ from line import Line
 from workbench.app.core.command import Entry
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.correcting import CorrectPart
 from workbench.app.core.cycle.jobs import CancelJob, JobEnded
 from workbench.app.core.cycle.outcomes import ReportPick
 from workbench.app.core.cycle.parts import FindParts, UseDetections
@@ -115,6 +116,17 @@ def test_a_cycle_that_was_gone_on_to_is_counted_with_its_stages(written, samples
     assert (first.end, second.end, second.strategy) == ("done", "", "right")
     assert dict(second.seconds) == {"scan": 2.0, "find parts": 3.0, "plan": 4.0}
     assert second.at == 19.0 + first.at
+
+
+def test_the_search_after_a_corrected_part_is_counted(written, samples):
+    written.plan(samples)
+    written.do(CorrectPart("peg"))
+    peg = written.state.cell.parts[0]
+    written.ended(replace(peg, scale=0.9))
+    written.now += 4
+    written.ended(samples.detections())
+    (cycle,) = statistics(written.rows).cycles
+    assert dict(cycle.seconds)["find parts"] == 5.0
 
 
 def test_a_task_that_nobody_goes_on_from_begins_no_other(written, samples):

@@ -8,12 +8,13 @@ import pytest
 
 from workbench.cli.main import main
 from workbench.cli.picking import look
-from workbench.cli.picking.sizes import learn_sizes
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
-from workbench.formats.parts.scales import change_offset, change_scale
+from workbench.formats.parts.saves import save_part
+from workbench.formats.parts.scales import write_shape
 from workbench.model.errors import FileError
 from workbench.model.scan import LocalizationResult, OffsetCheck, ScaleCheck
+from workbench.perception.parts.sizing import learn_sizes
 
 SHIPPED = Path(__file__).parents[3] / "parts" / "bracket"
 
@@ -43,7 +44,7 @@ def of_size(true, shown_share):
 
 
 def test_a_size_is_searched_for_until_the_scan_shows_no_other():
-    findings, cell, sizes = learn_sizes(read_cell("yumi"), of_size(0.92, 0.8))
+    findings, cell, sizes = learn_sizes(read_cell("yumi"), of_size(0.92, 0.8), ["keyed_cylinder"])
     assert sizes["keyed_cylinder"] == pytest.approx(0.92, abs=0.005)
     assert length(cell.parts[0]) == pytest.approx(
         sizes["keyed_cylinder"] * length(read_cell("yumi").parts[0])
@@ -52,12 +53,14 @@ def test_a_size_is_searched_for_until_the_scan_shows_no_other():
 
 
 def test_a_size_that_is_right_stays():
-    assert learn_sizes(read_cell("yumi"), of_size(1.0, 1.0))[2] == {}
+    yumi = read_cell("yumi")
+    assert learn_sizes(yumi, of_size(1.0, 1.0), ["keyed_cylinder"])[2] == {}
+    assert learn_sizes(yumi, of_size(0.92, 1.0), ["another"])[2] == {}
 
 
 def test_a_part_is_as_large_as_its_file_times_the_scale_and_so_are_its_bodies(bracket):
     before = read_part(bracket)
-    assert change_scale(bracket, 0.9) == 0.9
+    assert write_shape(bracket, 0.9, 0.0) == (0.9, 0.0)
     after = read_part(bracket)
     assert length(after) == pytest.approx(0.9 * length(before))
     reaches = [max(piece.reach for piece in part.pieces) for part in (before, after)]
@@ -70,24 +73,36 @@ def test_a_part_is_as_large_as_its_file_times_the_scale_and_so_are_its_bodies(br
     assert after.digest != before.digest
 
 
-def test_scales_multiply_and_comments_stay(bracket):
+def test_a_shape_is_read_as_it_is_written_and_comments_stay(bracket):
     file = bracket / "part.toml"
     file.write_text("# ours\n" + file.read_text())
-    change_scale(bracket, 0.9)
-    assert change_scale(bracket, 0.9) == pytest.approx(0.81)
-    assert file.read_text().startswith("# ours\n")
+    before = file.read_text()
+    as_meant = read_part(bracket, (0.8123, 0.0004))
+    assert write_shape(bracket, 0.81234, 0.000401) == (0.8123, 0.0004)
+    assert file.read_text().startswith("# ours\n") and "scale = 0.8123" in file.read_text()
+    after = read_part(bracket)
+    assert (after.scale, after.offset, after.digest) == (0.8123, 0.0004, as_meant.digest)
+    assert write_shape(bracket, 1.0, 0.0) == (1.0, 0.0)
+    assert file.read_text() == before
+
+
+def test_a_part_that_is_saved_has_its_size_in_its_file(bracket):
+    before, resized = read_part(bracket), read_part(bracket, (0.9, -0.0005))
+    save_part(bracket, before, resized, actor="ada", at=0.0, remark="as seen")
+    assert read_part(bracket).digest == resized.digest
+    save_part(bracket, resized, before, actor="ada", at=1.0, remark="not so")
+    assert read_part(bracket).digest == before.digest
 
 
 def test_a_scale_that_can_only_be_a_wrong_unit_is_refused(bracket):
     with pytest.raises(FileError, match="unit may be wrong"):
-        change_scale(bracket, 0.04)
+        write_shape(bracket, 0.04, 0.0)
     assert "scale" not in (bracket / "part.toml").read_text()
 
 
 def test_a_surface_lies_as_far_out_as_the_file_says_and_its_bodies_hold_it(bracket):
     before = read_part(bracket)
-    assert change_offset(bracket, 0.001) == 0.001
-    assert change_offset(bracket, 0.0004) == pytest.approx(0.0014)
+    assert write_shape(bracket, 1.0, 0.0014) == (1.0, pytest.approx(0.0014))
     after = read_part(bracket)
     assert length(after) == pytest.approx(length(before) + 0.0028, abs=1e-6)
     assert after.pieces[0].shape.size == pytest.approx(before.pieces[0].shape.size + 0.0028)
@@ -96,7 +111,7 @@ def test_a_surface_lies_as_far_out_as_the_file_says_and_its_bodies_hold_it(brack
 
 def test_bodies_of_a_thinner_part_stay_as_they_are(bracket):
     before = read_part(bracket)
-    change_offset(bracket, -0.001)
+    write_shape(bracket, 1.0, -0.001)
     after = read_part(bracket)
     assert (length(after) < length(before) - 0.001).all()
     assert after.pieces[0].shape.size == pytest.approx(before.pieces[0].shape.size)
@@ -118,7 +133,7 @@ def test_bodies_are_larger_by_the_tolerance_that_a_part_states(tmp_path, name):
 
 def test_an_offset_that_can_only_be_another_part_is_refused(bracket):
     with pytest.raises(FileError, match="another part"):
-        change_offset(bracket, 0.012)
+        write_shape(bracket, 1.0, 0.012)
     assert "offset" not in (bracket / "part.toml").read_text()
 
 

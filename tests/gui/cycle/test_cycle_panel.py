@@ -6,8 +6,10 @@ import pytest
 
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.state import Ahead, Phase
+from workbench.app.runtime.live import Live
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.panel import CyclePanel
+from workbench.model.scan import LocalizationResult, ScaleCheck
 
 NOW = 1_760_000_000.0
 
@@ -60,6 +62,20 @@ def test_play_stands_before_the_approval_that_asks_for_it(panel, states, view_of
     assert panel._find.order < panel._play.button.order < panel._approve.order
     assert not panel._play.button.disabled and panel._approve.disabled
     assert "Not played yet." in panel._watched_line.content
+
+
+def test_a_part_of_a_wrong_size_is_corrected_by_a_button_that_names_it(panel, states, view_of):
+    def show(*ratios):
+        state = states.localized
+        scales = tuple(ScaleCheck(name, ratio, 0.002, 4) for name, ratio in ratios)
+        findings = LocalizationResult(state.detections, scales=scales)
+        layout(panel, replace(view_of(state), live=Live(findings=findings)))
+        return panel._correct
+
+    assert not show(("peg", 1.001)).visible
+    button = show(("peg", 1.001), ("nut", 0.93), ("bolt", 1.08))
+    assert button.visible and button.label == "Correct nut"
+    assert panel._wrong == ("nut", "bolt")
 
 
 def test_what_is_to_be_done_next_is_no_fault(states):

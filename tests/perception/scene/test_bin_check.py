@@ -130,7 +130,7 @@ def test_a_bin_that_is_not_there_is_told(cell):
     scan = synthesize(replace(cell, bin=gone), (), seed=0)
     check = check_bin(scan, cell.bin)
     assert check.T_world_bin is None and check.light == "bad"
-    assert "is the bin there?" in str(check.says)
+    assert "is the bin there, and are its size_mm" in str(check.says)
 
 
 @pytest.mark.parametrize("count", [1, 5, 200])

@@ -46,7 +46,7 @@ def test_the_first_cut_is_that_of_looking_at_every_pair(cell_name):
 def test_arms_with_one_tool_share_what_its_hands_do():
     cell = read_cell("yumi")
     first, second = (
-        hands_of(arm.tool, cell.parts[0].pieces, cell.parts[0].grasps, None, 0.005)
+        hands_of(arm.tool, cell.parts[0].pieces, cell.parts[0].grasps, None, 0.005, 0.001)
         for arm in cell.arms
     )
     assert first is second

@@ -17,9 +17,9 @@ from workbench.model.geometry import (
     Sphere,
     pose_from_rpy,
 )
-from workbench.model.part import GraspLibrary, Part, make_turn
+from workbench.model.part import GraspLibrary, Part
 from workbench.model.scan import Detection, Obstacle
-from workbench.model.symmetry import Symmetry
+from workbench.model.symmetry import Symmetry, make_turn
 from workbench.planning.collision.unknown_rolls import BETWEEN, place_pieces, room_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.pads import outline

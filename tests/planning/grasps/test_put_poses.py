@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import PartPlace, make_turn
-from workbench.model.symmetry import Symmetry, SymmetryAxis
+from workbench.model.part import PartPlace
+from workbench.model.symmetry import Symmetry, SymmetryAxis, make_turn
 from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])

@@ -9,9 +9,9 @@ import trimesh
 
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import Box, Mesh, Solid, pose_from_rpy
-from workbench.model.part import Grasp, GraspLibrary, Part, make_turn
+from workbench.model.part import Grasp, GraspLibrary, Part
 from workbench.model.scan import Detection
-from workbench.model.symmetry import Symmetry
+from workbench.model.symmetry import Symmetry, make_turn
 from workbench.planning.grasps.roll_symmetry import uneven
 
 Z = np.array([0.0, 0.0, 1.0])

@@ -13,8 +13,8 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import PartPlace, make_turn
-from workbench.model.symmetry import Symmetry, SymmetryAxis
+from workbench.model.part import PartPlace
+from workbench.model.symmetry import Symmetry, SymmetryAxis, make_turn
 from workbench.proof.claims.places.placed_poses import place_offs
 
 X, Y, Z = np.eye(3)

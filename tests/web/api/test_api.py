@@ -121,8 +121,23 @@ def test_cad_files_of_a_wrong_size_are_told_with_the_parts_they_belong_to(site):
     site.effects.live = Live(findings=LocalizationResult(found, (), sizes))
     told = ["the CAD file of bolt seems 3.1% too large for the scan"]
     assert site.get("/state").json()["wrong_sizes"] == told
+    assert site.get("/state").json()["wrong_parts"] == ["bolt"]
     site.effects.live = Live(findings=LocalizationResult(found[:1], (), sizes))
     assert site.get("/state").json()["wrong_sizes"] == []
+    assert site.get("/state").json()["wrong_parts"] == []
+
+
+def test_a_part_is_corrected_by_name_once_parts_are_found(site):
+    assert "take a scan first" in detail(site.post("/part/correct", part="bolt"), 409)
+    plan(site)
+    assert "bolt" in detail(site.post("/part/correct", part="bolt"), 409)
+    site.effects.hold.set()
+    assert site.post("/part/correct", who="bob", part="keyed_cylinder").status_code == 403
+    answer = site.post("/part/correct", part="keyed_cylinder")
+    assert answer.status_code == 202
+    assert site.get("/jobs/current").json()["job"]["name"] == "correct"
+    (entry,) = site.on_record("CorrectPart")
+    assert (entry["actor"], entry["command"]["part"]) == ("Ada", "keyed_cylinder")
 
 
 def test_a_task_is_told_while_it_runs_and_can_be_cancelled(site):

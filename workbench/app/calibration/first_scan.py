@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.formats.clouds.scans import CLOUD_AXES, points_of, turned_to_camera
 from workbench.formats.files.units import UNITS
-from workbench.model.cell import Cell, ScannerMount
+from workbench.model.cell import ScannerMount
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, pose_from_rpy, shift_and_turn
 from workbench.model.messages.calibration import FirstScanText
@@ -65,19 +65,20 @@ class FirstScan:
     says: tuple[Message, ...]
 
 
-def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
+def first_scan(path: Path, content: bytes, mount: ScannerMount, bin: Bin) -> FirstScan:
     """Look at a scan as if nothing of its file were known.
 
     Args:
         path: of the file, for messages.
         content: of the file, PLY or PCD.
-        cell: what its scanner sees.
+        mount: the scanner as the cell has it.
+        bin: that it looks at.
 
     Raises:
         FileError: it is no cloud, or an empty one.
         InputError: in no unit does it lie where the scanner measures.
     """
-    mount, points = cell.scanner, points_of(path, content)
+    stated, stated_bin, points = mount, bin, points_of(path, content)
     unit, axes, fitting = _guess(points, mount)
     if fitting < FITTING:
         mount, (unit, axes, fitting) = _anywhere(points, mount)
@@ -89,17 +90,17 @@ def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
         )
     scan = turned_to_camera(Scan(points * UNITS[unit], mount.T_world_scanner, path.name), axes)
     noise = sensor_model(scan.points).noise
-    found, bin = _bin_in(scan, cell.bin)
+    found, bin = _bin_in(scan, stated_bin)
     T_scanner_bin, floor = found.T_scanner_bin, None
-    if T_scanner_bin is None and not _is_over_floor(scan, cell.bin, noise):
+    if T_scanner_bin is None and not _is_over_floor(scan, bin, noise):
         floor = find_floor(scan.points)
-        T_scanner_bin = None if floor is None else _bin_on(*floor, cell.bin)
+        T_scanner_bin = None if floor is None else _bin_on(*floor, bin)
     T_world_scanner = mount.T_world_scanner
     if T_scanner_bin is not None:
         length, width = bin.size[:2]
         count = 4 if abs(length - width) < SQUARE * length else 2
         Ts = [
-            cell.bin.T_world_bin
+            bin.T_world_bin
             * pose_from_rpy((0, 0, 0), (0, 0, 2 * np.pi * k / count))
             * T_scanner_bin.inverse()
             for k in range(count)
@@ -111,7 +112,7 @@ def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
         proposed = replace(proposed, T_world_scanner=T_world_scanner)
     seen = replace(scan, T_world_scanner=T_world_scanner)
     first = FirstScan(proposed, fitting, noise, found, bin, shift, turn, ())
-    return replace(first, says=tuple(_says(first, seen, cell, floor)))
+    return replace(first, says=tuple(_says(first, seen, stated, stated_bin, floor)))
 
 
 def _bin_in(scan: Scan, bin: Bin) -> tuple[FoundBin, Bin]:
@@ -178,9 +179,13 @@ def _bin_on(T_scanner_floor: pin.SE3, sides: Floats, bin: Bin) -> pin.SE3:
 
 
 def _says(
-    first: FirstScan, scan: Scan, cell: Cell, floor: tuple[pin.SE3, Floats] | None
+    first: FirstScan,
+    scan: Scan,
+    mount: ScannerMount,
+    bin: Bin,
+    floor: tuple[pin.SE3, Floats] | None,
 ) -> Iterator[Message]:
-    mount, proposed, bin, found = cell.scanner, first.mount, cell.bin, first.found
+    proposed, found = first.mount, first.found
     if proposed.near != mount.near or proposed.far != mount.far:
         near, far = (f"{value * 1000:.0f}" for value in (proposed.near, proposed.far))
         yield FirstScanText.RANGE(near=near, far=far)

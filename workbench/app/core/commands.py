@@ -17,6 +17,7 @@ from workbench.app.core.command import Command
 from workbench.app.core.cycle import (
     ahead,
     approval,
+    correcting,
     jobs,
     outcomes,
     parts,
@@ -49,6 +50,7 @@ SUBJECTS = (
     kits,
     part_edits,
     making,
+    correcting,
     emptying,
     control,
     session,

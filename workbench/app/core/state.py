@@ -44,7 +44,7 @@ class Job:
     `strategy`, `threshold` [m], `seed`, and as `planning` what it wants otherwise than the cell; a
     search its `seed` and `overrides`, and `is_compared`: what it finds is not taken at once.
     `then`: what it brings is gone on with, as is wanted there; None where a person decides.
-    `arm` is for which a tool is made.
+    `arm` is for which a tool is made, `by` who has a part corrected.
     """
 
     number: int
@@ -58,6 +58,7 @@ class Job:
     is_compared: bool = False
     then: "GoOn | None" = field(default_factory=lambda: None, metadata=LATER)
     arm: str = field(default_factory=str, metadata=LATER)
+    by: str = field(default_factory=str, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ from workbench.model.part import Grasp
 from workbench.model.plan import ArmPlan, LegName, Plan
 from workbench.model.scan import Detection
 from workbench.perception.matching.pose_error import pose_error
+from workbench.planning.collision.hands import closed_press
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
@@ -131,7 +132,7 @@ def _is_held(cell: Cell, part: str, arm_plan: ArmPlan, T_tcp_part: pin.SE3) -> b
     if hold is None:
         return False
     loose = abs(hold.width - extract.opening) / 2 + abs(hold.offset)
-    return gap >= -tool.press and loose <= tool.press
+    return gap >= -closed_press(tool, checker.part) and loose <= tool.press
 
 
 def _slips(cell: Cell, part: str, arm_plan: ArmPlan, T_tcp_part: pin.SE3) -> bool:

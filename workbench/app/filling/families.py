@@ -9,7 +9,15 @@ from workbench.app.filling.round_bodies import RoundBody
 from workbench.app.filling.work import GRIP, TRIANGLE, Work
 from workbench.model.cell import Arm
 from workbench.model.geometry import Bools, Floats
-from workbench.model.part import Entry, Grasp, GraspLibrary, GraspPattern, Part, grasps_of
+from workbench.model.part import (
+    Entry,
+    Grasp,
+    GraspLibrary,
+    GraspPattern,
+    Part,
+    grasps_of,
+    widen_grasp,
+)
 from workbench.model.part import with_symmetry as multiplied
 from workbench.model.scan import Detection
 from workbench.planning.collision.hands import NOTHING, Hands
@@ -87,12 +95,11 @@ def family_of(part: Part, arm: Arm, entry: Entry, least_air: float | None) -> Fa
     """The family of an entry; its fingers as little open as the policy lets them arrive."""
     alone = GraspLibrary((entry,))
     grasps = multiplied(alone, part.symmetry)
-    first_grasp = grasps[0]
+    first_grasp = widen_grasp(grasps[0], part.tolerance)
     opening = first_grasp.opening
     if least_air is not None and arm.tool.fingers:
-        opening = min(
-            first_grasp.opening, max(first_grasp.grip + 2 * least_air, arm.tool.stroke[0])
-        )
+        least = first_grasp.grip + 2 * (least_air + (part.tolerance or 0.0))
+        opening = min(opening, max(least, arm.tool.stroke[0]))
     Ts = [grasp.T_part_tcp * T for grasp in grasps for T in grips(arm.tool, grasp)]
     R, p = np.array([T.rotation for T in Ts]), np.array([T.translation for T in Ts])
     F = arm.tool.T_flange_tcp.inverse()

@@ -6,7 +6,7 @@ from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.filling.naming import make_name
 from workbench.model.cell import Cell
 from workbench.model.messages.commands import GraspEditText
-from workbench.model.part import Entry, Grasp
+from workbench.model.part import Entry, Grasp, widen_grasp
 from workbench.model.plan import Plan
 
 
@@ -24,6 +24,8 @@ def make_found_commands(cell: Cell, plan: Plan) -> list[EditPart]:
             continue
         part, entries = cell.part(name), added.setdefault(name, [])
         grasp = Grasp("", found.T_part_tcp, found.opening, found.grip)
+        # In a library without the room for the part's tolerance, which is added when it is used.
+        grasp = widen_grasp(grasp, -(part.tolerance or 0.0))
         taken = {entry.name for entry in (*part.library.entries, *entries)}
         tool = cell.arm(arm_plan.arm).tool.name
         entries.append(replace(grasp, name=make_name(part, grasp, taken), tool=tool))

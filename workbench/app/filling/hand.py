@@ -10,7 +10,8 @@ from workbench.app.filling.round_bodies import round_bodies
 from workbench.app.filling.work import FIT, PIECE, WAY, Work
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Bools
-from workbench.model.part import Entry, Grasp, GraspPattern, Part
+from workbench.model.part import Entry, Grasp, Part, widen_grasp
+from workbench.model.part_edits import grasp_of
 from workbench.planning.collision.hands import Hands
 from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
@@ -116,14 +117,14 @@ def hands_for(cell: Cell, part: Part, seed: int, work: Work) -> list[Hand]:
         families = [
             family_of(part, arm, entry, least_air)
             for entry in part.library.entries
-            if _is_for(entry, arms)
+            if _is_for(part, entry, arms)
         ]
         found.append(Hand(arms, grower, grips.hands.some(chosen), families, least_air))
     return found
 
 
-def _is_for(entry: Entry, arms: tuple[Arm, ...]) -> bool:
-    grasp = entry.grasp if isinstance(entry, GraspPattern) else entry
+def _is_for(part: Part, entry: Entry, arms: tuple[Arm, ...]) -> bool:
+    grasp = widen_grasp(grasp_of(entry), part.tolerance)
     low, high = arms[0].tool.stroke
     return (
         grasp.is_enabled

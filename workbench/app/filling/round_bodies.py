@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.geometry import Floats
-from workbench.model.part import Part, make_turn
-from workbench.model.symmetry import ANY_TURN
+from workbench.model.part import Part
+from workbench.model.symmetry import ANY_TURN, make_turn
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.grasp_suggestions import opposite_points
 

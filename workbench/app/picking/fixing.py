@@ -7,6 +7,7 @@ from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.core.state import State
 from workbench.model.errors import InputError
 from workbench.model.messages.grasps import FixText
+from workbench.model.part import widen_grasp
 from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.planning.picking.nearest_fix import Fix
 
@@ -46,5 +47,7 @@ def make_fix_command(state: State, fix: Fix) -> EditPart | ChangeCell:
     )
     # The candidate's fingers may be less open than the grasp says, where only that fits.
     if fix.grasp.opening != candidate.grasp.opening:
-        changed = replace(changed, opening=fix.grasp.opening)
+        # Without the room for the part's tolerance, which is added when it is used.
+        as_authored = widen_grasp(fix.grasp, -(part.tolerance or 0.0))
+        changed = replace(changed, opening=as_authored.opening)
     return EditPart(part.name, (entry,), (with_grasp(entry, changed),), says=says)

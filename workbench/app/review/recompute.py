@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from workbench.app.core.cycle.correcting import CORRECT
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.decide import decide
 from workbench.app.core.effects import StartJob
@@ -56,7 +57,7 @@ def recompute_tasks(journal: Journal) -> Iterator[Comparison]:
 def _compare(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
     if (
         isinstance(kept, WorkbenchError)
-        or job.name in ("import", "tool")  # made of CAD by other programs, and then looked at
+        or job.name in ("import", "tool", CORRECT)  # made of files that are not on record
         or (job.name in ("scan", "sight") and cell.scanner.source != "simulated")
     ):
         return None

@@ -34,7 +34,7 @@ from workbench.formats.cells.reading import part_folders, read_cell
 from workbench.formats.files.toml_keys import LARGEST_FILE
 from workbench.formats.files.whole_files import read_whole
 from workbench.formats.parts.reading import read_part
-from workbench.formats.parts.saves import drop_draft, save_part, write_draft
+from workbench.formats.parts.saves import drop_draft, is_resized, save_part, write_draft
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, WorkbenchError
 from workbench.model.messages.message import Message
@@ -98,7 +98,8 @@ class EffectRunner:
         match effect:
             case StartJob(number=number, name=name, arguments=arguments):
                 self._show(job=number, done=0.0, note="", started=self._now())
-                self._jobs.start(number, name, arguments)
+                # Where the parts lie is no matter of decisions, and not on record.
+                self._jobs.start(number, name, {**arguments, "cell_file": self._cell_file})
             case StopJob(number=number):
                 self._jobs.cancel(number)
             case Send(plan=plan, approval=approval, following=following):
@@ -204,6 +205,8 @@ class EffectRunner:
                 at=effect.at,
                 remark=effect.remark,
             )
+            if is_resized(old, part):
+                saved.append(JobText.SIZE(part=part.name))
             if version is not None:
                 saved.append(JobText.GRASPS(part=part.name, version=version))
         save_cell(self._cell_file, effect.cell)

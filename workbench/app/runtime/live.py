@@ -11,7 +11,7 @@ from workbench.app.emptying.film import Filmed
 from workbench.app.runtime.worker import GettingReady
 from workbench.model.messages.message import Message
 from workbench.model.release import LinkStatus
-from workbench.model.scan import Detection, LocalizationResult
+from workbench.model.scan import Detection, LocalizationResult, OffsetCheck, ScaleCheck
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,10 +49,20 @@ class Live:
 
     def wrong_sizes(self, detections: tuple[Detection, ...] | None) -> tuple[Message, ...]:
         """What the search that brought these detections says of CAD files of a wrong size."""
+        words = (check.words for check in self._checks(detections))
+        return tuple(words for words in words if words is not None)
+
+    def wrong_parts(self, detections: tuple[Detection, ...] | None) -> tuple[str, ...]:
+        """The names of the parts that `wrong_sizes` is about."""
+        off = (check.part for check in self._checks(detections) if check.is_off)
+        return tuple(dict.fromkeys(off))
+
+    def _checks(
+        self, detections: tuple[Detection, ...] | None
+    ) -> tuple[ScaleCheck | OffsetCheck, ...]:
         if self.findings is None or self.findings.detections is not detections:
             return ()
-        checks = (*self.findings.scales, *self.findings.offsets)
-        return tuple(check.words for check in checks if check.words is not None)
+        return (*self.findings.scales, *self.findings.offsets)
 
     def progress_of(self, job: int) -> tuple[float, Message | str]:
         """Share done and note of the job with that number, or of what it waits for."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.app.calibration.held_plate import simulated_sight
 from workbench.app.core.cycle.arm_scanner import view_problem
+from workbench.app.core.cycle.correcting import CORRECT
 from workbench.app.emptying.film import Filmed
 from workbench.app.picking.exactness import with_exactness
 from workbench.app.picking.glance import Glance, apply_change, glance_at
@@ -18,14 +19,19 @@ from workbench.app.picking.tool_making import tool_for
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.worker import JobFunction
 from workbench.app.viewing.view_plan import plan_view
+from workbench.formats.cells.reading import part_folders
+from workbench.formats.parts.reading import read_part
+from workbench.formats.parts.scales import round_shape
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell, Tool
 from workbench.model.errors import InputError, JobCancelled
-from workbench.model.messages.work import CancelText, ProgressText
+from workbench.model.messages.calibration import ScaleText
+from workbench.model.messages.work import CancelText, JobText, ProgressText
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.scan import LocalizationResult, Scan, SearchOverrides, Unexplained
 from workbench.perception.calibration.balls import sight_plate
+from workbench.perception.parts.sizing import ROUNDS, learn_sizes, offset_of
 from workbench.perception.scene.own_robot import without_robot
 from workbench.perception.scene.unexplained import look_around, unexplained
 from workbench.planning.collision.world import World
@@ -103,6 +109,36 @@ def import_part(
 ) -> Part:
     """The part made of a CAD file, in the folder of parts of the working directory."""
     return imported_part(arguments["command"], report, cancelled)
+
+
+def correct(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled) -> Part:
+    """The part of that name, read from its file in the size that `scan` shows, as `--learn` has it.
+
+    Raises:
+        InputError: the scan shows no other size, or one that is not allowed; no file is known.
+    """
+    name, file = arguments["part"], arguments["cell_file"]
+    if file is None:
+        raise InputError(JobText.NO_CELL_FILE())
+    searches = 0
+
+    def search(sized: Cell) -> LocalizationResult:
+        nonlocal searches
+        begun, searches = searches, searches + 1
+        share = 1.0 / (ROUNDS + 1)
+        return find_parts(
+            sized, arguments, lambda done, note: report((begun + done) * share, note), cancelled
+        )
+
+    part = cell.part(name)
+    findings, _, sizes = learn_sizes(cell, search, (name,))
+    size, by = sizes.get(name, 1.0), offset_of(findings, name)
+    folder = part_folders(file, [name])[name]
+    shape = round_shape(folder / "part.toml", part.scale * size, part.offset + by)
+    if (size, by) == (1.0, 0.0) or shape == (part.scale, part.offset):
+        raise InputError(ScaleText.AS_IT_IS(part=name))
+    report(ROUNDS / (ROUNDS + 1), ProgressText.READING())
+    return read_part(folder, shape)
 
 
 def make_tool(
@@ -189,6 +225,7 @@ JOBS: Mapping[str, JobFunction] = {
     "view": view,
     "import": import_part,
     "tool": make_tool,
+    CORRECT: correct,
     "emptying": emptying,
     "glance": glance,
 }

@@ -178,8 +178,10 @@ class Count:
         if kind == LinkEnded.__name__ and body["after"].get("phase") == "sending":
             self._follows()
         if kind == JobEnded.__name__ and body["after"]["job"] == number:
-            # It was gone on with what that task has brought.
-            self._begun = (STAGES[STAGES.index(stage) + 1], at, number)
+            # It was gone on with what that task has brought; a corrected part is searched again.
+            is_corrected = "part" in body["command"]["result"]
+            follows = "find parts" if is_corrected else STAGES[STAGES.index(stage) + 1]
+            self._begun = (follows, at, number)
 
     @property
     def value(self) -> Statistics:

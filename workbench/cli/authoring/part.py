@@ -128,6 +128,9 @@ def _print_import(typed: PartImport, made: MadePart) -> None:
         only = "a comment only: --accept-symmetry states it"
         print(f"symmetry: {symmetry_words(found)} ({'stated' if typed.accept_symmetry else only})")
     print(f"written to {made.written.folder}")
+    print(
+        f"next: `cell new NAME --urdf FILE --part {part.name}`, or name it in a cell file's parts"
+    )
 
 
 def list_parts(typed: PartList) -> int:

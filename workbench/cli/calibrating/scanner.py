@@ -23,12 +23,12 @@ def fit(typed: arguments.ScannerFit) -> int:
     cell = read_cell(typed.cell)
     check_stands(cell)
     cloud = read_whole(typed.scan, LARGEST_FILE)
-    seen = first_scan(typed.scan, cloud, cell)
+    seen = first_scan(typed.scan, cloud, cell.scanner, cell.bin)
     if typed.write:
         cell = replace(cell, scanner=seen.mount, bin=seen.bin if typed.bin else cell.bin)
         save_cell(cell_path(typed.cell), cell)
         # What is said from here on is what the written keys do not mend.
-        seen = first_scan(typed.scan, cloud, cell)
+        seen = first_scan(typed.scan, cloud, cell.scanner, cell.bin)
     form = _form(seen)
     if typed.json:
         print_json({**form, "written": typed.write})
@@ -40,6 +40,7 @@ def fit(typed: arguments.ScannerFit) -> int:
             print(f"- {line}")
         if typed.write:
             print(f"written into {cell_path(typed.cell)}")
+            print(f"next: `workbench localize {typed.cell} --scan {typed.scan}`")
     return NO_PLAN if seen.says else SUCCESS
 
 

@@ -7,11 +7,12 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.studies import StudyScans
 from workbench.cli.exits import SUCCESS
 from workbench.cli.picking.overlays import write_overlay
-from workbench.cli.picking.sizes import sizes_of, with_sizes
+from workbench.cli.picking.sizes import sizes_of
 from workbench.cli.terminal import check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan
 from workbench.model.errors import InputError
+from workbench.perception.parts.sizing import with_sizes
 from workbench.studies.scans import SearchedScan, searched_scans
 
 SUFFIXES = (".ply", ".pcd")

@@ -9,7 +9,7 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.work import find_parts
 from workbench.cli.arguments import top as arguments
 from workbench.cli.picking.overlays import write_overlay
-from workbench.cli.picking.sizes import learn_sizes, sizes_of, store_sizes, with_sizes
+from workbench.cli.picking.sizes import sizes_of, store_sizes
 from workbench.cli.terminal import check_number, check_whole, print_table, progress
 from workbench.formats.cells.reading import cell_path, read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
@@ -22,6 +22,7 @@ from workbench.model.scan import (
     RejectedHypothesis,
     SearchOverrides,
 )
+from workbench.perception.parts.sizing import learn_sizes, with_sizes
 from workbench.perception.scene.bin_check import check_bin
 from workbench.perception.scene.fill_level import parts_in_words
 from workbench.perception.scene.sensor import sensor_model
@@ -53,9 +54,9 @@ def localize(typed: arguments.Localize) -> int:
     check_number("--detail", typed.detail, *DETAIL)
     check_number("--least-score", typed.least_score, 0.0, 1.0)
     overrides = SearchOverrides(typed.detail, typed.least_score)
-    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin, typed.view)
-    sizes = {part.name: 1.0 for part in cell.parts} | sizes_of(cell, typed.scale)
-    cell = with_sizes(cell, sizes)
+    filed = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin, typed.view)
+    sizes = {part.name: 1.0 for part in filed.parts} | sizes_of(filed, typed.scale)
+    cell = with_sizes(filed, sizes)
     with progress("localize") as report:
         make_ready(report, ("seeing",))
         cloud = read_scan(typed.scan, cell.scanner)
@@ -65,7 +66,7 @@ def localize(typed: arguments.Localize) -> int:
             return find_parts(sized, given, report, cancelled=never)
 
         if typed.learn:
-            findings, cell, learnt = learn_sizes(cell, search)
+            findings, cell, learnt = learn_sizes(cell, search, tuple(sizes))
             sizes = {name: size * learnt.get(name, 1.0) for name, size in sizes.items()}
         else:
             findings = search(cell)
@@ -91,7 +92,7 @@ def localize(typed: arguments.Localize) -> int:
         print_table(
             "Rejected", columns, [_rejected_words(rejection) for rejection in findings.rejected]
         )
-    _report_sizes(typed, findings, sizes)
+    _report_sizes(typed, filed, findings, sizes)
     noise = sensor_model(cloud.points).noise
     if noise is not None:
         print(f"scanner: noise of {noise * 1000:.2f} mm at 1 m in this scan")
@@ -101,11 +102,14 @@ def localize(typed: arguments.Localize) -> int:
 
 
 def _report_sizes(
-    typed: arguments.Localize, findings: LocalizationResult, sizes: Mapping[str, float]
+    typed: arguments.Localize,
+    filed: Cell,
+    findings: LocalizationResult,
+    sizes: Mapping[str, float],
 ) -> None:
-    """Print what differs from the CAD files, or write it into the parts."""
+    """Print what differs from the CAD files, or write it into the parts of the cell's file."""
     if typed.learn:
-        for line in store_sizes(cell_path(typed.cell), sizes, findings):
+        for line in store_sizes(cell_path(typed.cell), filed, sizes, findings):
             print(line)
         return
     for check in findings.scales:

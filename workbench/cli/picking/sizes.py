@@ -1,26 +1,17 @@
 """Parts that are larger or smaller than their CAD files: by how much, as a scan shows it."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from workbench.formats.cells.reading import part_folders
-from workbench.formats.parts.scales import change_offset, change_scale
+from workbench.formats.parts.scales import write_shape
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.scan import LocalizationResult
-from workbench.perception.parts.sizing import sized
+from workbench.perception.parts.sizing import offset_of
 
 LEAST_SIZE, LARGEST_SIZE = 0.5, 2.0
 """Of a part over its CAD file."""
-
-ROUNDS = 4
-"""Searches at most: poses found with a wrong size tell the right one only nearly."""
-
-
-def with_sizes(cell: Cell, sizes: Mapping[str, float]) -> Cell:
-    """The cell whose parts are this many times as large, by their names."""
-    return replace(cell, parts=tuple(sized(part, sizes.get(part.name, 1.0)) for part in cell.parts))
 
 
 def sizes_of(cell: Cell, typed: Sequence[str]) -> dict[str, float]:
@@ -48,38 +39,14 @@ def sizes_of(cell: Cell, typed: Sequence[str]) -> dict[str, float]:
     return sizes
 
 
-def learn_sizes(
-    cell: Cell, search: Callable[[Cell], LocalizationResult]
-) -> tuple[LocalizationResult, Cell, dict[str, float]]:
-    """Search until the parts are as large as the scan shows them.
-
-    Args:
-        cell: its parts in the sizes that are known before.
-        search: finds the parts of a cell in the scan.
-
-    Returns:
-        What the last search found, the cell that it was given, and the size over that before, no
-        unit, of each part that has another one.
-    """
-    sizes: dict[str, float] = {}
-    findings = search(cell)
-    for _ in range(ROUNDS - 1):
-        off = {check.part: check.ratio for check in findings.scales if check.is_off}
-        if not off:
-            break
-        cell = with_sizes(cell, off)
-        sizes |= {name: sizes.get(name, 1.0) * ratio for name, ratio in off.items()}
-        findings = search(cell)
-    return findings, cell, sizes
-
-
 def store_sizes(
-    cell_file: Path, sizes: Mapping[str, float], findings: LocalizationResult
+    cell_file: Path, cell: Cell, sizes: Mapping[str, float], findings: LocalizationResult
 ) -> list[str]:
     """Write sizes, and how far surfaces lie off, into the `part.toml` of each part.
 
     Args:
         cell_file: of the cell.
+        cell: as its file states it.
         sizes: of the cell's parts, over those that are written there, no unit.
         findings: what the scan shows of parts of these sizes.
 
@@ -92,26 +59,21 @@ def store_sizes(
     folders = part_folders(cell_file)
     lines: list[str] = []
     checks = {check.part: check for check in findings.scales}
-    offsets = {check.part: check.offset for check in findings.offsets if check.is_off}
     for name, size in sizes.items():
-        if name in offsets:
-            offset = change_offset(folders[name], offsets[name])
-            lines.append(
-                f"{name}: offset_mm = {offset * 1000:g} is written into "
-                f"{folders[name] / 'part.toml'}; search, bodies for distances and new grasps use it"
-            )
-        if size != 1.0:
-            scale = change_scale(folders[name], size)
-            lines.append(
-                f"{name}: scale = {scale:g} is written into {folders[name] / 'part.toml'}; search, "
-                "bodies for distances and new grasps use it"
-            )
-        elif name in offsets:
-            continue
-        elif name in checks:
+        part, by = cell.part(name), offset_of(findings, name)
+        if size == 1.0 and by == 0.0:
             lines.append(
                 f"{name}: its size is as written, within {checks[name].deviation * 100:.1f} %"
+                if name in checks
+                else f"{name}: this scan does not show its size; three parts have to show it"
             )
-        else:
-            lines.append(f"{name}: this scan does not show its size; three parts have to show it")
+            continue
+        scale, offset = write_shape(folders[name], part.scale * size, part.offset + by)
+        changes = {"scale": (size != 1.0, scale), "offset_mm": (by != 0.0, offset * 1000)}
+        lines += [
+            f"{name}: {key} = {value:g} is written into {folders[name] / 'part.toml'}; search, "
+            "bodies for distances and new grasps use it"
+            for key, (is_changed, value) in changes.items()
+            if is_changed
+        ]
     return lines

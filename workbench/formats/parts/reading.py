@@ -47,11 +47,16 @@ ROUNDED = 1e-5
 """What two directions may lack to a right angle: they are written with six digits."""
 
 
-def read_part(name: str | Path) -> Part:
+def read_part(name: str | Path, shape: tuple[float, float] | None = None) -> Part:
     """A part by name under `parts/`, or by the path of its folder or `part.toml`.
 
     Without `[[piece]]` tables its mesh is divided into convex pieces that are no more than
     `tolerance_mm` too large, as long as `MOST_PIECES` are enough.
+
+    Args:
+        name: of the part.
+        shape: its size over its CAD file, no unit, and by which its surface lies outside of that
+            [m]; None: as the file states them.
 
     Raises:
         FileError: names the file and the key that is wrong.
@@ -69,17 +74,21 @@ def read_part(name: str | Path) -> Part:
         colours = read_face_colours(path.parent / mesh_table.text("file"), len(mesh.triangles))
     scale = mesh_table.number("scale", 1.0, low=LEAST_SCALE, high=MOST_SCALE)
     offset = mesh_table.number("offset_mm", 0.0, low=-MOST_OFFSET, high=MOST_OFFSET) / 1000
+    scale, offset = shape or (scale, offset)
     stated = mesh_table.has("tolerance_mm")
     off = mesh_table.number("tolerance_mm", 0.0, low=0.0, high=MOST_OFFSET) / 1000
     mesh_table.finish()
     symmetry = _symmetry(table.table("symmetry")) if table.has("symmetry") else Symmetry()
     fixed = np.array(symmetry.point)
-    mesh = grow_mesh(scale_mesh(mesh, scale, fixed), offset)
+    as_filed, mesh = mesh, grow_mesh(scale_mesh(mesh, scale, fixed), offset)
     pieces = tuple(scale_solid(read_solid(piece), scale, fixed) for piece in table.tables("piece"))
     tolerance = table.number("tolerance_mm", tolerance_of(mesh) * 1000, low=0.01, high=100) / 1000
     # Bodies of a smaller part stay as they are: shrunk ones would no longer meet each other.
     room = off + (max(offset, 0.0) if pieces else 0.0)
-    if not pieces:
+    if not pieces and offset == 0.0 and scale < 1.0:
+        # None is made anew: these are too large by no more than those of the file.
+        pieces = tuple(scale_solid(p, scale, fixed) for p in _pieces(table, as_filed, tolerance))
+    elif not pieces:
         pieces = _pieces(table, mesh, tolerance)
     if room > 0.0:
         pieces = tuple(grow_solid(piece, room) for piece in pieces)
@@ -95,7 +104,7 @@ def read_part(name: str | Path) -> Part:
         )
     return Part(
         part_name, mesh, pieces, mass, symmetry, library, friction, colours,
-        off if stated else None,
+        off if stated else None, scale, offset,
     )  # fmt: skip
 
 

@@ -21,6 +21,7 @@ from workbench.formats.files.whole_files import make_folder, read_whole, write_w
 from workbench.formats.parts.grasp_files import GRASPS, as_written, save_grasps
 from workbench.formats.parts.grasp_words import changes_in_words
 from workbench.formats.parts.reading import read_grasps
+from workbench.formats.parts.scales import write_shape
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.part import GraspLibrary, Part
@@ -53,7 +54,7 @@ class Version:
 def save_part(
     folder: Path, old: Part, new: Part, *, actor: str, at: float, remark: str
 ) -> int | None:
-    """Write what a part has otherwise than its files: grasps and symmetry.
+    """Write what a part has otherwise than its files: grasps, symmetry, size and offset.
 
     Args:
         folder: of the part.
@@ -70,6 +71,8 @@ def save_part(
         FileError: a file cannot be read or written.
     """
     version = None
+    if is_resized(old, new):
+        write_shape(folder, new.scale, new.offset)
     if digest_of(old.symmetry) != digest_of(new.symmetry):
         _save_symmetry(folder / "part.toml", new.symmetry)
     if digest_of(old.library) != digest_of(as_written(new.library)):
@@ -79,6 +82,11 @@ def save_part(
         version = _keep(folder, new.library, actor=actor, at=at, remark=remark)
     drop_draft(folder)
     return version
+
+
+def is_resized(old: Part, new: Part) -> bool:
+    """Whether a part has another size, or another offset, than before."""
+    return (old.scale, old.offset) != (new.scale, new.offset)
 
 
 def _keep(folder: Path, library: GraspLibrary, *, actor: str, at: float, remark: str) -> int:

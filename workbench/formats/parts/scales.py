@@ -75,61 +75,55 @@ def grow_solid(solid: Solid, by: float) -> Solid:
     return replace(solid, shape=shape)
 
 
-def change_scale(path: Path, factor: float) -> float:
-    """Make a part `factor` times as large as its `part.toml` has it; comments and all else stay.
+def round_shape(file: Path, scale: float, offset: float) -> tuple[float, float]:
+    """Size and offset of a part as its file holds them.
 
     Args:
-        path: of the part's folder, or of its `part.toml`.
-        factor: over the size that is written there, no unit.
-
-    Returns:
-        The size over the CAD file that is written now, no unit.
+        file: the `part.toml` that is meant.
+        scale: of the part over its CAD file, no unit.
+        offset: [m] by which its surface lies outside of that; inside where negative.
 
     Raises:
-        FileError: the file cannot be read or written, or the size is no longer allowed.
+        FileError: one of them is no longer allowed.
     """
-    file, document = _read(path)
-    mesh = document["mesh"]
-    scale = short(float(mesh.get("scale", 1.0)) * factor, DIGITS)
+    scale, offset_mm = short(scale, DIGITS), short(offset * 1000, OFFSET_DIGITS)
     if not LEAST_SCALE <= scale <= MOST_SCALE:
         raise FileError(
             file,
             f"scale would be {scale:g}: from {LEAST_SCALE:g} to {MOST_SCALE:g} is allowed, so the "
             "mesh's unit may be wrong",
         )
-    mesh["scale"] = scale
-    write_whole(file, tomlkit.dumps(document).encode())
-    return float(scale)
-
-
-def change_offset(path: Path, by: float) -> float:
-    """Move a part's surface outwards over its `part.toml`; comments and all else stay.
-
-    Args:
-        path: of the part's folder, or of its `part.toml`.
-        by: [m] inwards where negative.
-
-    Returns:
-        How far outside of the CAD file it lies now [m].
-
-    Raises:
-        FileError: the file cannot be read or written, or it would lie too far off.
-    """
-    file, document = _read(path)
-    mesh = document["mesh"]
-    offset = short(float(mesh.get("offset_mm", 0.0)) + by * 1000, OFFSET_DIGITS)
-    if abs(offset) > MOST_OFFSET:
+    if abs(offset_mm) > MOST_OFFSET:
         raise FileError(
             file,
-            f"offset_mm would be {offset:g}: from {-MOST_OFFSET:g} to {MOST_OFFSET:g} is allowed, "
-            "so this may be another part",
+            f"offset_mm would be {offset_mm:g}: from {-MOST_OFFSET:g} to {MOST_OFFSET:g} is "
+            "allowed, so this may be another part",
         )
-    mesh["offset_mm"] = offset
+    return float(scale), float(offset_mm) / 1000
+
+
+def write_shape(folder: Path, scale: float, offset: float) -> tuple[float, float]:
+    """Write a part's size and offset into its `part.toml`; comments and all else stay.
+
+    Args:
+        folder: of the part.
+        scale: see `round_shape`.
+        offset: see there.
+
+    Returns:
+        Both as they are written.
+
+    Raises:
+        FileError: the file cannot be read or written, or one of them is no longer allowed.
+    """
+    file = folder / "part.toml"
+    scale, offset = round_shape(file, scale, offset)
+    document: Any = read_document(file)
+    mesh = document["mesh"]
+    for key, value, usual in (("scale", scale, 1.0), ("offset_mm", offset * 1000, 0.0)):
+        if value != usual:
+            mesh[key] = short(value)
+        else:
+            mesh.pop(key, None)
     write_whole(file, tomlkit.dumps(document).encode())
-    return float(offset) / 1000
-
-
-def _read(path: Path) -> tuple[Path, Any]:
-    """The `part.toml` at a path, or in that folder, and what it holds."""
-    file = path / "part.toml" if path.is_dir() else path
-    return file, read_document(file)
+    return scale, offset

@@ -10,6 +10,7 @@ from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.approval import Approve, standing_votes
 from workbench.app.core.cycle.arm_scanner import is_at_view
+from workbench.app.core.cycle.correcting import CorrectPart
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
@@ -48,6 +49,7 @@ from workbench.gui.shared.views import (
     sentence,
 )
 from workbench.gui.shared.visitor import Visitor, whole
+from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.cell import Cell
 from workbench.model.derived.by_recipe import kit_of, strategy_of
 from workbench.model.errors import InputError
@@ -113,6 +115,16 @@ class CyclePanel:
             gui.add_html(ROW)
             self._parts_line = gui.add_html("")
             self._find = gui.add_button("Find parts", icon=viser.Icon.SEARCH)
+            self._wrong: tuple[str, ...] = ()
+            self._beside_correct = gui.add_html('<div class="wb-span2"></div>', visible=False)
+            self._correct = gui.add_button(
+                "·",
+                icon=viser.Icon.RULER_2,
+                color="gray",
+                visible=False,
+                hint="Makes the part as the scan shows it, in its file too, and searches again; "
+                "Undo is in the Cell tab.",
+            )
         with group(gui, "3 · Plan"):
             gui.add_html(ROW)
             self._strategies = strategy_words(visitor.cell)
@@ -179,6 +191,7 @@ class CyclePanel:
         self._visitor.admit(self._move_bin, state, ChangeCell)
         sizes = new.live.wrong_sizes(state.detections)
         self._parts_line.content = parts_line(state, sizes, check, visitor.words)
+        self._show_wrong(state, new.live.wrong_parts(state.detections))
         self._plan_line.content = plan_line(state, visitor.words)
         self._row.show(new)
         joints = new.live.joints
@@ -240,6 +253,15 @@ class CyclePanel:
             len(kinds) > 1 and cell.scanner.source == "simulated" and not kit_of(cell)
         )
 
+    def _show_wrong(self, state: State, wrong: tuple[str, ...]) -> None:
+        """Offer to correct the first of the parts whose size or surface the scan shows off."""
+        self._wrong = wrong
+        self._correct.visible = self._beside_correct.visible = bool(wrong)
+        if wrong:
+            label = CyclePageText.CORRECT_PART(part=wrong[0])
+            self._correct.label = self._visitor.words.render(label)
+            self._visitor.admit(self._correct, state, CorrectPart)
+
     def _react(self) -> None:
         visitor = self._visitor
 
@@ -250,6 +272,7 @@ class CyclePanel:
         visitor.on_press(self._scan, self._wanted_scan)
         visitor.on_press(self._find, self._wanted_parts)
         visitor.on_press(self._move_bin, self._wanted_bin)
+        visitor.on_press(self._correct, lambda: CorrectPart(next(iter(self._wrong), "")))
         visitor.on_press(self._plan, self._wanted_plan)
         visitor.on_key("N", "New scan", lambda: visitor.ask(self._wanted_scan))
         visitor.on_key("F", "Find parts", lambda: visitor.ask(self._wanted_parts))

@@ -1,12 +1,15 @@
 """The tab with the parts found: what speaks for and against each, and a person's word on it."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from threading import Timer
 from typing import Any
 
 import pinocchio as pin
 import viser
 
+from workbench.app.calibration.calibration import check_stands
+from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.outcomes import ForgetAvoided
 from workbench.app.core.cycle.parts import UseDetections
@@ -25,11 +28,12 @@ from workbench.gui.parts.views import (
 from workbench.gui.scene.searches import SearchInputs
 from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import MOST_PARTS
-from workbench.gui.shared.views import line
+from workbench.gui.shared.views import line, sentence
 from workbench.gui.shared.viser_server import taken_upload
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.uploads.reading import sent_poses, sent_scan
+from workbench.gui.uploads.reading import fitted_scanner, sent_poses, sent_scan
 from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.commands import EditText
@@ -81,6 +85,13 @@ class PartsPanel:
             color="gray",
             hint="Our JSON, or a HALCON tuple file: rows of [R|t] in the world frame, mm.",
         )
+        self._fit = gui.add_upload_button(
+            "Fit scanner to file",
+            icon=viser.Icon.RULER_2,
+            color="gray",
+            hint="Finds unit, axes and range of a first scan and the scanner's pose over the bin, "
+            "then takes the scan; Undo and Save are in the Cell tab.",
+        )
         self._scan_colours = gui.add_checkbox(
             "Scan colours",
             False,
@@ -124,6 +135,7 @@ class PartsPanel:
         self._rows = visitor.rows(MOST_PARTS, self._choose)
         self._scan.on_upload(lambda event: self._upload(event, self._scan_of))
         self._poses.on_upload(lambda event: self._upload(event, self._poses_of))
+        self._fit.on_upload(lambda event: self._upload(event, self._fitted))
         visitor.on_end(self._read_no_more)
         visitor.on_press(self._veto, self._without)
         visitor.on_press(self._undo, self._undone)
@@ -158,6 +170,7 @@ class PartsPanel:
         self._visitor.admit(self._forget, state, ForgetAvoided)
         self._visitor.admit(self._scan, state, UseScan)
         self._visitor.admit(self._poses, state, UseDetections)
+        self._visitor.admit(self._fit, state, ChangeCell)
         self._visitor.admit(self._add, state, UseDetections)
         self._follow(found)
         missing = CHOOSE if self._chosen is None else ""
@@ -318,6 +331,19 @@ class PartsPanel:
 
     def _scan_of(self, name: str, content: bytes, cancelled: Cancelled) -> Command:
         return UseScan(sent_scan(name, content, self._visitor.cell.scanner, cancelled=cancelled))
+
+    def _fitted(self, name: str, content: bytes, cancelled: Cancelled) -> Command:
+        """The scan, by a scanner that fits it from now on; what is left to do is stated."""
+        visitor, cell = self._visitor, self._visitor.cell
+        check_stands(cell)
+        fitted = fitted_scanner(name, content, cell, cancelled=cancelled)
+        scan = sent_scan(name, content, fitted.mount, cancelled=cancelled)
+        if digest_of(fitted.mount) != digest_of(cell.scanner):
+            says = EditText.SCANNER_FITTED(file=name)
+            visitor.give(ChangeCell(replace(cell, scanner=fitted.mount), says))
+        for left in fitted.left:
+            visitor.notify(name, sentence(visitor.words.render(left)), color="blue")
+        return UseScan(scan)
 
     def _poses_of(self, name: str, content: bytes, cancelled: Cancelled) -> Command:
         detections = sent_poses(name, content, self._kind.value, cancelled=cancelled)

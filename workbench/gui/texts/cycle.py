@@ -47,6 +47,7 @@ class CyclePageText(Text, subject="page-cycle"):
     TAKES_TO_STATION = "{part} {arm}, to station {station}"
     DIGESTS = "plan {plan}, proof {proof}"
     EMPTY_BINS = "Nothing left to take: {bins}."
+    CORRECT_PART = "Correct {part}"
     BIN_IS_NEW = "Bin {name} is new"
     MESSAGES_SENT = "{count} of {total} messages sent"
     STEP = "step {number} of {total}"

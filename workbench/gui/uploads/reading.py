@@ -1,20 +1,31 @@
 """Files that people send from their machines, read by processes of their own (`apart`)."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from workbench.app.records.forms import Content, large_arrays, restore_value
-from workbench.formats.clouds.scans import read_scan
+from workbench.formats.clouds.scans import LARGEST_FILE, read_scan
 from workbench.formats.files.reader_process import Answer, Work, apart
-from workbench.formats.files.whole_files import write_upload
+from workbench.formats.files.whole_files import read_whole, write_upload
 from workbench.formats.meshes.cad_look import CadLook, look_at
 from workbench.formats.plans.pose_files import read_poses
-from workbench.model.cell import ScannerMount
+from workbench.model.cell import Cell, ScannerMount
 from workbench.model.digest import canonical
+from workbench.model.messages.message import Message
+from workbench.model.part import Bin
 from workbench.model.scan import Detection, Scan
 from workbench.plugins.progress import Cancelled, never
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FittedScanner:
+    """A scanner as its first scan shows it, and what `left` that does not fit, a sentence each."""
+
+    mount: ScannerMount
+    left: tuple[Message, ...]
 
 
 def cad_look(
@@ -73,6 +84,26 @@ def sent_poses(
     return _read(kind, name, content, poses_in_file, part, cancelled=cancelled)
 
 
+def fitted_scanner(
+    name: str, content: Content, cell: Cell, *, cancelled: Cancelled = never
+) -> FittedScanner:
+    """The scanner of a cell as the scan in a file shows it.
+
+    Args:
+        name: of the file.
+        content: its bytes.
+        cell: whose scanner, which stands, and bin.
+        cancelled: True once nobody wants to know any more.
+
+    Raises:
+        FileError: it cannot be read.
+        InputError: it lies where no scanner measures.
+        JobCancelled: it was cancelled.
+    """
+    about = canonical(cell.scanner), canonical(cell.bin)
+    return _read(FittedScanner, name, content, fit_to_file, *about, cancelled=cancelled)
+
+
 # What the processes of their own do.
 
 
@@ -89,6 +120,18 @@ def scan_in_file(file: Path, mount: Any) -> Answer:
 def poses_in_file(file: Path, part: str) -> Answer:
     """As `sent_poses`."""
     return _make_answer(read_poses(file, part))
+
+
+def fit_to_file(file: Path, mount: Any, bin: Any) -> Answer:
+    """As `fitted_scanner`; mount and bin are in canonical form."""
+    from workbench.app.calibration.first_scan import first_scan  # heavy, and seldom needed
+
+    seen = restore_value(ScannerMount, mount, _nothing), restore_value(Bin, bin, _nothing)
+    content = read_whole(file, LARGEST_FILE)
+    fitted = first_scan(file, content, *seen).mount
+    # What is said from here on is what that does not mend.
+    left = first_scan(file, content, fitted, seen[1]).says
+    return _make_answer(FittedScanner(fitted, left))
 
 
 def _read(

@@ -119,10 +119,7 @@ class FirstScanText(Text, subject="first-scan"):
         "no bin is visible: is it in the picture, with its rim? Without walls in the picture set "
         "walls = false and size_mm in [bin]"
     )
-    OTHER_BIN = (
-        "a bin of {seen} mm is visible, in the cell {wanted} mm: size_mm in [bin], written by "
-        "--write --bin"
-    )
+    OTHER_BIN = "a bin of {seen} mm is visible, in the cell {wanted} mm: size_mm in [bin]"
     OTHER_RIM = (
         "a rim of {length:mm0} x {width:mm0} is visible, not that of the cell's bin: is size_mm in "
         "[bin] right?"
@@ -149,10 +146,13 @@ class BinText(Text, subject="bin"):
     IN_PLACE = "the bin is where it should be, within {off:mm}"
     AT_HEIGHT = "parts lie as high as they should, within {off:mm}"
     FULL = "{bin}, {fill:%} full"
-    NO_RIM = "no rim of the bin within {reach:mm0} of its place in the cell: is the bin there?"
+    NO_RIM = (
+        "no rim of the bin within {reach:mm0} of its place in the cell: is the bin there, and are "
+        "its size_mm and walls in the cell file right?"
+    )
     RIM_COVERED = (
         "no rim of the bin within {reach:mm0} of its place in the cell: something is {above:mm0} "
-        "above it"
+        "above it; are its size_mm and walls in the cell file right?"
     )
     TOO_FULL = "the bin is too full: parts lie {above:mm0} above its rim"
     STANDS_OUT = "a part stands {above:mm0} above the rim"
@@ -218,4 +218,5 @@ class ScaleText(Text, subject="scale"):
     LARGE = "the CAD file of {part} seems {share}% too large for the scan"
     SMALL = "the CAD file of {part} seems {share}% too small for the scan"
     INSIDE = "the surface of {part} seems to lie {distance:mm} inside of its CAD file"
+    AS_IT_IS = "the scan shows {part} in the size that it has"
     OUTSIDE = "the surface of {part} seems to lie {distance:mm} outside of its CAD file"

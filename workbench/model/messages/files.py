@@ -89,13 +89,15 @@ class FileProblem(Text, subject="file-problem"):
     OUT_OF_RANGE = (
         "its points are {nearest} to {farthest} m from the scanner when read in {unit} ({key}). "
         "The scanner measures from {near} to {far} m (near_mm, far_mm). Is the file in another "
-        "unit ({units})?"
+        "unit ({units})? `workbench scanner fit` finds it, or Fit scanner to file in tab Parts"
     )
     FAR = (
         "the furthest point is {reach} m from the scanner when read in {unit}; expected {near} to "
-        "{far} m. Is the file in another unit ({units})?"
+        "{far} m. Is the file in another unit ({units})? `workbench scanner fit` finds it, or Fit "
+        "scanner to file in tab Parts"
     )
     BEHIND = (
-        "nearly all of its points lie behind the scanner when its axes are taken for {axes}: see "
-        "cloud_axes in [scanner] of the cell file, one of {known}"
+        "nearly all of its points lie behind the scanner when its axes are taken for {axes}: "
+        "cloud_axes in [scanner] of the cell file is another of {known}. `workbench scanner fit` "
+        "finds it, or Fit scanner to file in tab Parts"
     )

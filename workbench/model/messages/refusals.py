@@ -162,6 +162,7 @@ class ChangeRefusal(Text, subject="cell-change"):
     NO_REDO = "there is no change of the cell to redo"
     SAVED_ALREADY = "the cell is saved already"
     PALLETS_EMPTY = "the pallets are empty already"
+    FIND_FIRST = "find parts in a scan first: it shows their size"
     PART_EXISTS = "the cell has a part {part} already; choose another name"
     TOOL_EXISTS = "the cell has a tool {tool} already; choose another name"
     MOST_PARTS = "a cell has up to {most} parts"

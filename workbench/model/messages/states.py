@@ -13,6 +13,7 @@ class TaskText(Text, subject="task"):
     SIGHT = "the scan of the plate"
     IMPORT = "the new part"
     TOOL = "the new tool"
+    CORRECT = "the correction of the part"
     EMPTYING = "the emptying"
     OTHER = "the task {name}"
 
@@ -78,6 +79,7 @@ class StateText(Text, subject="state"):
     NOTHING_AVOIDED = "no part is avoided now"
     MAKING_PART = "importing part {part} from {file}"
     MAKING_TOOL = "importing tool {tool} from {file}"
+    CORRECTING = "measuring {part} in the scan"
     PART_MADE = "part {part} is in the cell, {size} mm; plans search its grips"
     TOOL_MADE = "the {arm} arm carries tool {tool}; check its TCP"
     EMPTYING = "emptying {piles} {piles:pile|piles} of {parts} {parts:part|parts} in simulation"

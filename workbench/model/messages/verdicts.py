@@ -53,6 +53,7 @@ class VerdictNote(Text, subject="note"):
     OTHER_TOOL = "needs tool {tool}; the arm carries {carried}"
     CHANGE_TOOL = "needs tool {tool}; the arm carries {carried} and can change to it"
     STROKE = "opening {opening:mm0}, outside the stroke {low:mm0} to {high:mm0}"
+    STROKE_AND_TOLERANCE = "{stroke}; {room:mm} of it for the part's tolerance"
     AVOIDED_OTHERS = "another part goes to its place over a station"
     PICK_FAILED = "avoided since its pick failed"
     PICK_FAILED_SINCE = "avoided since its pick failed: {why}"

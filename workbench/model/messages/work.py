@@ -23,6 +23,7 @@ class JobText(Text, subject="job"):
     SAVED = "saved: {things}"
     THE_CELL = "the cell"
     GRASPS = "the grasps of {part} as version {version}"
+    SIZE = "the size of {part}"
     NO_CELL_FILE = "this session has no cell file"
 
 

@@ -1,15 +1,21 @@
-"""Parts that are larger or smaller than their CAD files have them."""
+"""Parts that are larger or smaller than their CAD files, and the size that a scan shows."""
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from workbench.model.cell import Cell
 from workbench.model.geometry import Mesh, outwards
 from workbench.model.part import Part
+from workbench.model.scan import LocalizationResult
 from workbench.perception.views.surfaces import triangles_of
 
 LEVEL = 0.05
 """See `outwards`: these meshes are exact."""
+
+ROUNDS = 4
+"""Searches at most: poses found with a wrong size show the right one only nearly."""
 
 
 def sized(part: Part, factor: float, *, about_middle: bool = False) -> Part:
@@ -45,3 +51,41 @@ def grown(part: Part, by: float) -> Part:
     triangles = np.asarray(mesh.faces)
     points = mesh.vertices + by * outwards(np.asarray(mesh.vertices), triangles, LEVEL)
     return replace(part, mesh=Mesh(points, triangles))
+
+
+def with_sizes(cell: Cell, sizes: Mapping[str, float]) -> Cell:
+    """The cell whose parts are this many times as large, no unit, by their names."""
+    return replace(cell, parts=tuple(sized(part, sizes.get(part.name, 1.0)) for part in cell.parts))
+
+
+def learn_sizes(
+    cell: Cell, search: Callable[[Cell], LocalizationResult], names: Sequence[str]
+) -> tuple[LocalizationResult, Cell, dict[str, float]]:
+    """Search until the parts of these names are as large as the scan shows them.
+
+    Args:
+        cell: its parts in the sizes that are known before.
+        search: finds the parts of a cell in the scan.
+        names: of parts.
+
+    Returns:
+        What the last search found, the cell that it was given, and the size over that before, no
+        unit, of each part that has another one.
+    """
+    sizes: dict[str, float] = {}
+    findings = search(cell)
+    for _ in range(ROUNDS - 1):
+        checks = (check for check in findings.scales if check.part in names)
+        off = {check.part: check.ratio for check in checks if check.is_off}
+        if not off:
+            break
+        cell = with_sizes(cell, off)
+        sizes |= {name: sizes.get(name, 1.0) * ratio for name, ratio in off.items()}
+        findings = search(cell)
+    return findings, cell, sizes
+
+
+def offset_of(findings: LocalizationResult, name: str) -> float:
+    """How far outside of its mesh [m] a scan shows a part's surface; 0 where it is not off."""
+    checks = (check for check in findings.offsets if check.part == name)
+    return next((check.offset for check in checks if check.is_off), 0.0)

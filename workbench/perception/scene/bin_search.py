@@ -33,8 +33,8 @@ ALIKE = 0.15
 
 
 BELOW, SEEN_THROUGH = 0.012, 0.1
-"""[m] Points that lie deeper below a floor are seen through it; with a larger share of them it is no
-floor."""
+"""[m] Points that lie deeper below a floor are seen through it; with a larger share of them it is
+no floor."""
 
 
 @dataclass(frozen=True, slots=True)

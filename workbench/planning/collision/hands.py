@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Tool
 from workbench.model.geometry import Floats, Ints, Solid
-from workbench.model.part import Grasp
+from workbench.model.part import Grasp, Part
 from workbench.planning.collision.bodies import extent, tool_shapes
 from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.legs import grips, openings
@@ -49,6 +49,14 @@ class Hands(NamedTuple):
         )
 
 
+def closed_press(tool: Tool, part: Part) -> float:
+    """How deep [m] a closed hand may be in the bodies of a part, which its tolerance makes larger.
+
+    Fingers stop at the part as it is.  A cup goes as far as planned: its lip alone gives way.
+    """
+    return tool.press + (part.tolerance or 0.0 if tool.fingers else 0.0)
+
+
 @lru_cache(maxsize=256)
 def hands_of(
     tool: Tool,
@@ -56,6 +64,7 @@ def hands_of(
     grasps: tuple[Grasp, ...],
     least_air: float | None,
     margin: float,
+    press: float,
 ) -> Hands:
     """The ways of grasps in the order in which they are tried: openings, and for each the turns.
 
@@ -65,8 +74,9 @@ def hands_of(
         grasps: of it.
         least_air: [m] that of the policy (`legs.openings`).
         margin: [m] kept to other things; nearer pieces of the part are measured.
+        press: [m] how deep the hand may be in the pieces once it is closed (`closed_press`).
     """
-    every = [_hands_of_one(tool, pieces, grasp, least_air, margin) for grasp in grasps]
+    every = [_hands_of_one(tool, pieces, grasp, least_air, margin, press) for grasp in grasps]
     first = np.cumsum([0, *(len(hands.turn) for hands in every)])
     return Hands(
         first,
@@ -90,15 +100,19 @@ _NOBODY = Hands(
 
 @lru_cache(maxsize=16384)
 def _hands_of_one(
-    tool: Tool, pieces: tuple[Solid, ...], grasp: Grasp, least_air: float | None, margin: float
+    tool: Tool,
+    pieces: tuple[Solid, ...],
+    grasp: Grasp,
+    least_air: float | None,
+    margin: float,
+    press: float,
 ) -> Hands:
     """The ways of one grasp; see `hands_of`."""
     Ts, opened, turn, cuts = [], [], [], []
     has_fingers = bool(tool.fingers)
     hands = [grasp.T_part_tcp * T for T in grips(tool, grasp)]
     closed = [
-        cut_of(tool, pieces, T, grasp.grip if has_fingers else 0.0, tool.press, margin)
-        for T in hands
+        cut_of(tool, pieces, T, grasp.grip if has_fingers else 0.0, press, margin) for T in hands
     ]
     for opening in openings(tool, grasp, least_air) if has_fingers else (0.0,):
         for number, T in enumerate(hands):

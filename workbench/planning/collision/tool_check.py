@@ -16,7 +16,7 @@ from workbench.model.part import Grasp
 from workbench.planning.collision.around import Around, Places, first_contact, first_fits, which_fit
 from workbench.planning.collision.bodies import tool_shapes
 from workbench.planning.collision.distances.measuring import distance
-from workbench.planning.collision.hands import Hands, hands_of
+from workbench.planning.collision.hands import Hands, closed_press, hands_of
 from workbench.planning.collision.part_ways import kept_on_ways, steps_along
 from workbench.planning.collision.surroundings import Surroundings
 
@@ -110,7 +110,10 @@ class ToolCheck:
         if not rows:
             return []
         pieces = self._still.pieces[rows[0][0]]
-        hands = hands_of(arm.tool, pieces, grasps, self._least_air, self._margin)
+        press, air = self._press(arm, rows[0][0]), self._least_air
+        if air is not None:
+            air += press - arm.tool.press  # the part may be as much larger
+        hands = hands_of(arm.tool, pieces, grasps, air, self._margin, press)
         around = self._surroundings(arm)
         numbers = list(dict.fromkeys(number for number, _ in rows))
         if not around.cores.known.all():
@@ -190,7 +193,7 @@ class ToolCheck:
             opening, turn = float(hands.opening[w, 0]), int(hands.turn[w])
             pair = None
             for is_closed in (False, True) if arm.tool.fingers else (True,):
-                press = arm.tool.press if is_closed else 0.0
+                press = self._press(arm, number) if is_closed else 0.0
                 wide = float(hands.opening[w, int(is_closed)])
                 pair = self._contact(arm, T_world_tcp, wide, number, press)
                 if pair is not None:
@@ -201,6 +204,10 @@ class ToolCheck:
                 return Fit(opening, turn, False, None)
         assert refusal is not None  # every grasp has a way
         return refusal
+
+    def _press(self, arm: Arm, number: int) -> float:
+        part = self._still.detections[number].part
+        return closed_press(arm.tool, self._still.cell.part(part))
 
     def _places(self, numbers: Sequence[int], hands: Hands, around: Around) -> Places:
         """Where parts of a kind lie, and what stands so near that a hand at them might meet it."""

@@ -20,8 +20,9 @@ from workbench.model.geometry import (
     Sphere,
     pose_from_rpy,
 )
-from workbench.model.part import Part, make_turn
+from workbench.model.part import Part
 from workbench.model.scan import Detection
+from workbench.model.symmetry import make_turn
 
 TURNS, MOST_TURNS, BETWEEN = 24, 720, 0.001
 """At how many turns a part is checked, at least and at most; and how far [m] any of its points may

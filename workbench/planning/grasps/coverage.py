@@ -15,7 +15,7 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats, frozen, put, spread_directions
 from workbench.model.messages.message import Message
 from workbench.model.messages.work import ProgressText
-from workbench.model.part import Part
+from workbench.model.part import Grasp, Part, widen_grasp
 from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.grasps.part_rays import NOTHING, first_hits, normals_of
@@ -124,6 +124,7 @@ def coverage(
     ups = spread_directions(directions)
     trial = Trial(cell, part)
     grasps = part.library.grasps
+    arriving = tuple(widen_grasp(grasp, part.tolerance) for grasp in grasps)
     usable = trial.usable(grasps)
     poses = [trial.poses(up, k, turns, places) for k, up in enumerate(ups)]
     # (directions, poses of each, grasps, arms)
@@ -134,12 +135,12 @@ def coverage(
         if cancelled():
             break
         report(0.9 * done / len(ups), ProgressText.DIRECTIONS(done=done, count=len(ups)))
-        works[k] = trial.works(poses[k], grasps, usable)
+        works[k] = trial.works(poses[k], arriving, usable)
         seen[k] = True
     works, ups = works[seen], ups[seen]
     any_arm = np.any(works, axis=2)
     shares = np.any(any_arm, axis=2).mean(axis=1) if len(ups) else np.empty(0)
-    lying = _lying_share(trial, usable, turns, places, cancelled) if len(ups) else None
+    lying = _lying_share(trial, arriving, usable, turns, places, cancelled) if len(ups) else None
     missing = None
     if advise and len(ups) and not cancelled():
         report(0.9, ProgressText.WHAT_TO_ADD())
@@ -160,6 +161,7 @@ def coverage(
 
 def _lying_share(
     trial: Trial,
+    grasps: tuple[Grasp, ...],
     usable: Bools,
     turns: int,
     places: tuple[tuple[float, float], ...],
@@ -171,7 +173,7 @@ def _lying_share(
     for k, (up, frequency) in enumerate(zip(ups, often, strict=True)):
         if cancelled():
             return None
-        works = trial.works(trial.poses(up, k, turns, places), trial.part.library.grasps, usable)
+        works = trial.works(trial.poses(up, k, turns, places), grasps, usable)
         share += float(frequency) * float(works.any(axis=(1, 2)).mean())
     return share
 

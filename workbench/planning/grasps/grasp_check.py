@@ -9,8 +9,9 @@ import pinocchio as pin
 from workbench.model.cell import Tool
 from workbench.model.messages.grasps import GripText
 from workbench.model.messages.message import Message
-from workbench.model.part import Grasp, Part
+from workbench.model.part import Grasp, Part, widen_grasp
 from workbench.planning.collision.distances.measuring import Group, group_distance
+from workbench.planning.collision.hands import closed_press
 from workbench.planning.grasps.cup import Cup
 from workbench.planning.grasps.firmness import (
     Firmness,
@@ -144,7 +145,8 @@ class GraspChecker:
         return self.pads.hold(self.part.mesh, T_part_tcp.inverse(), wide)
 
     def check(self, grasp: Grasp) -> GraspCheck:
-        """Everything that can be said about a grasp without a cell."""
+        """Everything that can be said about an authored grasp without a cell."""
+        grasp = widen_grasp(grasp, self.part.tolerance)
         findings: list[GraspFinding] = []
         if grasp.tool and grasp.tool != self.tool.name:
             text = GripText.OTHER_TOOL(wanted=grasp.tool, tool=self.tool.name)
@@ -189,7 +191,7 @@ class GraspChecker:
 
     def _cuts(self, grasp: Grasp, findings: list[GraspFinding]) -> float:
         """Where the tool cuts the part: arriving, on the way, closed; the clearance on arrival."""
-        press = self.tool.press
+        press = closed_press(self.tool, self.part)
         allowed = ROUNDING if self.tool.fingers else press
         has_fingers, opening = bool(self.tool.fingers), grasp.opening
         clearance, at = self.clearance(grasp.T_part_tcp, grasp.opening)

@@ -38,15 +38,16 @@ class Opening:
 
 
 def fitted_opening(checker: GraspChecker, T_part_tcp: pin.SE3) -> Opening | None:
-    """Finger distances for the part that is between the fingers at a pose.
+    """Finger distances for the part that is between the fingers at a pose, as grasps state them.
 
     None when nothing is there, or the tool has not two fingers.  Both are within the tool's stroke
-    unless the part is wider.
+    unless the part, or its tolerance, is wider.
     """
     hold = checker.hold(T_part_tcp)
     if hold is None:
         return None
     low, high = checker.tool.stroke
+    high -= 2 * (checker.part.tolerance or 0.0)
     grip = max(hold.width, low)
     return Opening(max(min(grip + 2 * (abs(hold.offset) + PLAY), high), grip), grip)
 

@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Tool
 from workbench.model.geometry import Floats, Mesh
-from workbench.model.part import Grasp, Part
+from workbench.model.part import Grasp, Part, widen_grasp
 from workbench.planning.grasps.grasp_check import FRICTION, GraspCheck, GraspChecker
 from workbench.planning.grasps.grasp_frames import (
     BEYOND,
@@ -247,9 +247,10 @@ def _looked_at(
         fingers = fitted_opening(checker, T_part_tcp)
         if fingers is None or fingers.grip > checker.tool.stroke[1]:
             return None
-        if checker.clearance(T_part_tcp, fingers.opening, within=0.0)[0] < 0.0:
-            return None
         grasp = Grasp("", T_part_tcp, fingers.opening, fingers.grip)
+        wide = widen_grasp(grasp, checker.part.tolerance).opening
+        if checker.clearance(T_part_tcp, wide, within=0.0)[0] < 0.0:
+            return None
     else:
         grasp = Grasp("", idea.T_part_tcp, 0.0, 0.0, free_rotation=np.pi)
         if checker.seal_findings(grasp):

@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Bools, Floats, Ints
-from workbench.model.part import Grasp, Part
+from workbench.model.part import Grasp, Part, widen_grasp
 from workbench.model.scan import Detection
 from workbench.planning.collision.hands import NOTHING, Hands
 from workbench.planning.collision.world import World
@@ -74,13 +74,14 @@ class Grips:
             R, p = _touches(part, POINTS if self._checker.cup is not None else 0, rng)
             closed = np.zeros(len(p))
         self._R, self._p = R, p
+        self._room = 2 * (part.tolerance or 0.0)
         T = tool.T_flange_tcp.inverse()
         high = tool.stroke[1]
         self.hands = Hands(
             np.arange(len(p) + 1),
             np.ascontiguousarray(R @ T.rotation),
             np.ascontiguousarray(p + R @ T.translation),
-            np.column_stack([np.minimum(closed + 2 * AIR, high), closed]),
+            np.column_stack([np.minimum(closed + 2 * AIR + self._room, high), closed]),
             np.zeros(len(p), np.int64),
             np.full((len(p), 2), NOTHING),
         )
@@ -128,13 +129,13 @@ class Grips:
                 return None
             T = T * pin.SE3(np.eye(3), hold.offset * self._checker.pads.travel)
             grip = max(hold.width, low)
-            widths = min(grip + 2 * AIR, high), grip
+            widths = max(min(grip + 2 * AIR, high - self._room), grip), grip
         else:
             widths = 0.0, 0.0
         grasp = Grasp(f"found-{number}", T, *widths, priority=FOUND_PRIORITY, is_found=True)
         check = self._checker.check(grasp)
         self._remarks[number] = len(check.findings)
-        return grasp if check.is_ok else None
+        return widen_grasp(grasp, self._checker.part.tolerance) if check.is_ok else None
 
 
 @lru_cache(maxsize=16)

@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.geometry import Floats
-from workbench.model.part import PartPlace, make_turn
-from workbench.model.symmetry import BALL, ROUND, SAME, Symmetry
+from workbench.model.part import PartPlace
+from workbench.model.symmetry import BALL, ROUND, SAME, Symmetry, make_turn
 from workbench.planning.collision.legs import FREE_STEP, turn_steps
 
 ROUND_STEPS = 12

@@ -15,8 +15,10 @@ from workbench.model.cell import Arm, Tool
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.part import Grasp, Part, make_turn
+from workbench.model.part import Grasp, Part
 from workbench.model.scan import Detection
+from workbench.model.symmetry import make_turn
+from workbench.planning.collision.hands import closed_press
 from workbench.planning.collision.legs import grips
 from workbench.planning.collision.unknown_rolls import axis_of, room_of, turns_about
 from workbench.planning.grasps.grasp_check import FRICTION, ROUNDING, GraspChecker
@@ -51,7 +53,7 @@ def _uneven(part: Part, axis: bytes, arm: Arm, grasp: Grasp) -> tuple[Uneven | N
     line = np.frombuffer(axis).reshape(2, 3)
     # Pads give way by `press`: what fingers meet before that is not what they shall hold.
     closed, allowed = (grasp.grip, 0.0) if arm.tool.fingers else (0.0, arm.tool.press)
-    wide = closed + 2 * (arm.tool.press - allowed)
+    wide = closed + 2 * (closed_press(arm.tool, part) - allowed)
     found: list[Uneven | None] = []
     for grip in grips(arm.tool, grasp):
         T = grasp.T_part_tcp * grip

@@ -155,7 +155,8 @@ class Tried:
 def try_grasps(world: World, numbers: Sequence[int], grasps: tuple[Grasp, ...], arm: Arm) -> Tried:
     """The hand at each of some parts of one kind, by each grasp."""
     detections = world.detections
-    refusals = [_unfit(grasp, arm) for grasp in grasps]
+    part = world.cell.part(detections[numbers[0]].part)
+    refusals = [_unfit(grasp, arm, part) for grasp in grasps]
     usable = [k for k, refusal in enumerate(refusals) if refusal is None]
     rows = [(number, k) for number in numbers for k in usable]
     fits = dict(zip(rows, world.tool_check.fits(arm, grasps, rows), strict=True))
@@ -232,7 +233,7 @@ def _judge_fit(check: ToolCheck, arm: Arm, grasp: Grasp, T_world_tcp: pin.SE3, f
     return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, labels, distance, note=note)
 
 
-def _unfit(grasp: Grasp, arm: Arm) -> Verdict | None:
+def _unfit(grasp: Grasp, arm: Arm, part: Part) -> Verdict | None:
     """Why an arm cannot use a grasp, whatever is around; None when it can."""
     if not grasp.is_enabled:
         return Verdict(Reason.DISABLED, Stage.PROPOSE)
@@ -247,6 +248,8 @@ def _unfit(grasp: Grasp, arm: Arm) -> Verdict | None:
     low, high = arm.tool.stroke
     if arm.tool.fingers and not low <= grasp.opening <= high:
         note = VerdictNote.STROKE(opening=grasp.opening, low=low, high=high)
+        if part.tolerance:
+            note = VerdictNote.STROKE_AND_TOLERANCE(stroke=note, room=2 * part.tolerance)
         return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, note=note)
     return None
 

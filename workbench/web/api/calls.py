@@ -20,6 +20,7 @@ from workbench.app.core.control import (
 )
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.correcting import CorrectPart
 from workbench.app.core.cycle.jobs import CancelJob
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ForgetAvoided, ReportPick
 from workbench.app.core.cycle.parts import FindParts
@@ -324,16 +325,8 @@ CALLS: tuple[Call, ...] = (
             Field("why", "what is known about a failure", _text(LONGEST_TEXT), ""),
         ),
     ),
-    Call(
-        "/forget-avoided",
-        "Avoid no part any more because its pick has failed.",
-        ForgetAvoided,
-    ),
-    Call(
-        "/empty-pallets",
-        "Say that what was put down has been taken away.",
-        EmptyPallets,
-    ),
+    Call("/forget-avoided", "Avoid no part any more because its pick has failed.", ForgetAvoided),
+    Call("/empty-pallets", "Say that what was put down has been taken away.", EmptyPallets),
     Call(
         "/note",
         "Write into the session what somebody saw or did at the cell.",
@@ -377,6 +370,13 @@ CALLS: tuple[Call, ...] = (
         "Write the changes of the cell and its parts to their files.",
         SaveCell,
         (Field("remark", "why it was changed", _text(LONGEST_TEXT), ""),),
+    ),
+    Call(
+        "/part/correct",
+        "Have a part as large as the scan shows it, and search again; written as by Save.",
+        CorrectPart,
+        (Field("part", "one of the `wrong_parts` of the state", _text(LONGEST_NAME)),),
+        begins=True,
     ),
     Call("/control/ask", "Ask for control.", AskForControl),
     Call("/control/take", "Take control.", TakeControl),

@@ -57,6 +57,7 @@ def state_form(state: State, live: Live) -> Form:
         "getting_ready": _preparing(live),
         "scan": None if state.scan is None else state.scan.digest,
         "detections": None if state.detections is None else len(state.detections),
+        "wrong_parts": list(live.wrong_parts(state.detections)),
         "wrong_sizes": list(map(str, live.wrong_sizes(state.detections))),
         "verdict": None if state.verdict is None else verdict_form(state.verdict),
         "plan": None if state.plan is None else state.plan.digest,

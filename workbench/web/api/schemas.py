@@ -104,6 +104,7 @@ STATE = record(
     getting_ready=PREPARING,
     scan=or_none(DIGEST),
     detections=or_none(WHOLE),
+    wrong_parts=many(TEXT),
     wrong_sizes=many(TEXT),
     verdict=or_none(VERDICT),
     plan=or_none(DIGEST),

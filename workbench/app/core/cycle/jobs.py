@@ -8,6 +8,7 @@ from workbench.app.core.cell.making import with_made
 from workbench.app.core.command import EVERY, Command, Decision, Entry, Right
 from workbench.app.core.cycle.ahead import brought_ahead, given_up
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
+from workbench.app.core.cycle.correcting import CORRECT, with_corrected
 from workbench.app.core.cycle.results import gone_on, with_result
 from workbench.app.core.effects import StopJob
 from workbench.app.core.state import Phase, State
@@ -48,6 +49,8 @@ class JobEnded(Command):
 
     def apply(self, state: State, entry: Entry) -> Decision:
         match self.result:
+            case Part() as part if state.job is not None and state.job.name == CORRECT:
+                return with_corrected(state, self.number, part, entry)
             case Part() | Tool() as made:
                 return change_whole(state, lambda whole: with_made(whole, self.number, made))
             case _ if state.phase is Phase.SENDING:

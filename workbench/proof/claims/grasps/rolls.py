@@ -50,7 +50,9 @@ def _held_violations(
     wide = arm_plan.leg("extract").opening
     solids, before = [(solid, solid.T_owner_shape) for solid in arm.tool.body], None
     if arm.tool.fingers:
-        solids, before = _fingers(arm, wide), _fingers(arm, wide + 2 * arm.tool.press)
+        # The pieces are larger than the part by its tolerance.
+        press = arm.tool.press + (part.tolerance or 0.0)
+        solids, before = _fingers(arm, wide), _fingers(arm, wide + 2 * press)
     pieces, count = turned_pieces(part, found), roll_turns(part, found)
     T_world_flange = found.T_world_part * T_part_flange
     for turn in range(count):

@@ -40,7 +40,7 @@ def grasp_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> I
     if found.T_world_found is None and not cell.bin.gives(part, found.T_world_part):
         yield Violation(ProofText.OUTSIDE_REGIONS(), arm.name)
     yield from _check_permission(arm, grasp)
-    yield from _openings(cell, arm, grasp, arm_plan)
+    yield from _openings(cell, arm, part, grasp, arm_plan)
     points, T_tcp_part = np.asarray(part.mesh.points), in_hand(cell, tree, plan, arm_plan)
     if displacement(points, arm_plan.T_tcp_part, T_tcp_part) > STATED:
         yield Violation(ProofText.NOT_AT_HAND(), arm.name, "approach")
@@ -89,12 +89,17 @@ def _check_permission(arm: Arm, grasp: Grasp) -> Iterator[Violation]:
         yield Violation(ProofText.GRASP_FOR_TOOL(grasp=grasp.name, tool=grasp.tool), arm.name)
 
 
-def _openings(cell: Cell, arm: Arm, grasp: Grasp, arm_plan: ArmPlan) -> Iterator[Violation]:
+def _openings(
+    cell: Cell, arm: Arm, part: Part, grasp: Grasp, arm_plan: ArmPlan
+) -> Iterator[Violation]:
     """Whether the fingers are open as the grasp states, on every leg."""
+    least = _least_opening(cell, arm, part, grasp)
     for leg in arm_plan.legs:
         if leg.name in HOLDING and abs(leg.opening - grasp.grip) > OPENING:
             yield Violation(_opening(leg, grasp.grip), arm.name, leg.name)
-        elif leg.name not in HOLDING and not _fits(leg.opening, grasp, arm, cell):
+        elif leg.name not in HOLDING and not (
+            least - OPENING <= leg.opening <= grasp.opening + OPENING
+        ):
             yield Violation(_opening(leg, grasp.opening), arm.name, leg.name)
     if abs(arm_plan.leg("reach").opening - arm_plan.leg("approach").opening) > OPENING:
         # Nothing is looked at between two legs.
@@ -129,14 +134,14 @@ def _opening(leg: Leg, wanted: float) -> Message:
     return ProofText.OPENING(opening=leg.opening, wanted=wanted)
 
 
-def _fits(opening: float, grasp: Grasp, arm: Arm, cell: Cell) -> bool:
-    """Whether fingers may have this opening [m]: that of the grasp, or less by the policy."""
-    air, least = cell.policy.least_air, grasp.opening
+def _least_opening(cell: Cell, arm: Arm, part: Part, grasp: Grasp) -> float:
+    """How far open [m] fingers arrive at least: as the grasp states, or less by the policy."""
+    air = cell.policy.least_air
     if air is None and cell.policy.as_needed:
         air = LEAST_AIR
-    if air is not None and arm.tool.fingers:
-        least = min(grasp.opening, grasp.grip + 2 * air)
-    return least - OPENING <= opening <= grasp.opening + OPENING
+    if air is None or not arm.tool.fingers:
+        return grasp.opening
+    return min(grasp.opening, grasp.grip + 2 * (air + (part.tolerance or 0.0)))
 
 
 def _halves(arm: Arm) -> tuple[pin.SE3, ...]:
