@@ -16,10 +16,10 @@ from workbench.model.messages.calibration import FirstScanText
 from workbench.model.messages.message import Message
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
-from workbench.perception.scene.bin_fit import fit_bin
-from workbench.perception.scene.bin_measure import measure_bin
-from workbench.perception.scene.bin_search import FoundBin, find_bin
-from workbench.perception.scene.floor_search import find_floor
+from workbench.perception.bins.bin_fit import fit_bin
+from workbench.perception.bins.bin_measure import measure_bin
+from workbench.perception.bins.bin_search import FoundBin, find_bin
+from workbench.perception.bins.floor_search import find_floor
 from workbench.perception.scene.sensor import sensor_model
 
 FITTING = 0.5

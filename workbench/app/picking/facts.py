@@ -22,7 +22,7 @@ from workbench.model.errors import CommandRefused, InputError
 from workbench.model.part import Bin
 from workbench.model.plan import ArmPlan, Plan, Proof, Proven
 from workbench.model.scan import Detection, Scan
-from workbench.perception.scene.bin_check import check_bin
+from workbench.perception.bins.bin_check import check_bin
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.plugins.planner import planner_named
 from workbench.proof.claims.places.standing import standing_after

@@ -22,10 +22,10 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_cloud
 from workbench.formats.meshes.pieces.surfaces import Surface
 from workbench.model.geometry import pose_from_rpy
+from workbench.perception.bins.floor_search import find_floor
 from workbench.perception.localization.eaten import without_background
 from workbench.perception.localization.judging import PartSearch
 from workbench.perception.localization.localize import begin_search
-from workbench.perception.scene.floor_search import find_floor
 from workbench.perception.scene.scene_model import scene_model
 from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import drop_parts

@@ -22,9 +22,9 @@ from workbench.model.scan import (
     RejectedHypothesis,
     SearchOverrides,
 )
+from workbench.perception.bins.bin_check import check_bin
+from workbench.perception.bins.fill_level import parts_in_words
 from workbench.perception.parts.sizing import learn_sizes, with_sizes
-from workbench.perception.scene.bin_check import check_bin
-from workbench.perception.scene.fill_level import parts_in_words
 from workbench.perception.scene.sensor import sensor_model
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize

@@ -28,7 +28,7 @@ from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan, Proof
 from workbench.model.prediction import Predictions
-from workbench.perception.scene.fill_level import parts_in_words
+from workbench.perception.bins.fill_level import parts_in_words
 from workbench.proof.claims.clearance import bounds_message
 from workbench.words.words import IN_ENGLISH, Words
 

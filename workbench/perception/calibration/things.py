@@ -17,8 +17,8 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.model.scan import Detection, Scan
+from workbench.perception.bins.bin_check import check_bin
 from workbench.perception.calibration.plate_poses import crosses
-from workbench.perception.scene.bin_check import check_bin
 from workbench.perception.views.surfaces import add_solids, add_surface, triangles_of
 
 Kind = Literal["bin", "fixture", "part"]

@@ -11,11 +11,11 @@ from numba import njit
 from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.model.part import Bin
 from workbench.model.scan import Objection
+from workbench.perception.bins.bin_fit import SeenBin, inside_by
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.matching.likelihood import log_likelihood_ratio
 from workbench.perception.matching.sightings import Sighting
 from workbench.perception.parts.part_surface import PartSurface
-from workbench.perception.scene.bin_fit import SeenBin, inside_by
 from workbench.perception.views.motions import motion_of, moved
 
 LEAST_VISIBLE = 0.3

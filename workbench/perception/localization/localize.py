@@ -21,6 +21,7 @@ from workbench.model.scan import (
     Scan,
 )
 from workbench.model.symmetry import ROUND
+from workbench.perception.bins.bin_fit import above_floor
 from workbench.perception.localization.alternatives import share_nearby
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.cad_shape import report_shape
@@ -49,7 +50,6 @@ from workbench.perception.matching.maps import MIXED, POINTS_A_PIXEL, DepthMap, 
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface, prepare
-from workbench.perception.scene.bin_fit import above_floor
 from workbench.perception.scene.scene_model import SceneModel
 
 PIXELS_ACROSS = 70

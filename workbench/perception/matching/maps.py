@@ -10,7 +10,7 @@ from numba import njit
 from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
-from workbench.perception.scene.bin_fit import SeenBin, inside_by
+from workbench.perception.bins.bin_fit import SeenBin, inside_by
 from workbench.perception.views.camera import Pinhole
 from workbench.perception.views.depth_images import averaged, normals_of
 

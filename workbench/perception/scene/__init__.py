@@ -1,4 +1,4 @@
-"""Bin fit, noise, and unknown things in a scan.
+"""Noise, the robot, and unknown things in a scan.
 
-Imports `views`.
+Imports `bins` and `views`.
 """

@@ -9,8 +9,8 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
-from workbench.perception.scene.bin_check import ENOUGH, REACH, rim_place
-from workbench.perception.scene.bin_fit import (
+from workbench.perception.bins.bin_check import ENOUGH, REACH, rim_place
+from workbench.perception.bins.bin_fit import (
     FARTHEST,
     SEEN_WALL,
     STEEPEST,

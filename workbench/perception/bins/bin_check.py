@@ -16,8 +16,8 @@ from workbench.model.messages.calibration import BinText
 from workbench.model.messages.message import Message
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
-from workbench.perception.scene.bin_fit import FARTHEST, as_in_cell, fit_bin
-from workbench.perception.scene.fill_level import LOW, Filling, filled
+from workbench.perception.bins.bin_fit import FARTHEST, as_in_cell, fit_bin
+from workbench.perception.bins.fill_level import LOW, Filling, filled
 
 REACH = 0.08
 """[m] Around the bin that the rim is searched for."""

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from workbench.formats.parts.reading import read_part
-from workbench.perception.scene.bin_check import check_bin
-from workbench.perception.scene.fill_level import parts_in_words
+from workbench.perception.bins.bin_check import check_bin
+from workbench.perception.bins.fill_level import parts_in_words
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 

@@ -11,7 +11,7 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
-from workbench.perception.scene.bin_fit import (
+from workbench.perception.bins.bin_fit import (
     above_floor,
     fit_bin,
     inside_by,

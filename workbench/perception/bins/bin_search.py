@@ -13,8 +13,8 @@ import pinocchio as pin
 
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.part import Bin
-from workbench.perception.scene.bin_check import BAND, rim_place
-from workbench.perception.scene.floor_search import find_floor
+from workbench.perception.bins.bin_check import BAND, rim_place
+from workbench.perception.bins.floor_search import find_floor
 
 MOST, ROUNDS, PLANES = 20_000, 300, 4
 """Points that are checked, planes tried for each surface, and how many surfaces."""
@@ -141,9 +141,12 @@ def _plane(points: Floats, rng: np.random.Generator) -> tuple[Floats, float, np.
 def rectangle_around(
     rim: Floats, normal: Floats, height: float
 ) -> tuple[pin.SE3, tuple[float, float]]:
-    """A frame on the plane, z along its normal, in the middle of the rectangle around a rim.
+    """A frame on a plane, in the middle of the rectangle around a rim, and the sides [m] of that.
 
-    Its x axis is along the longer side; the sides [m] come with it.
+    Args:
+        rim: (n, 3) [m] its points.
+        normal: (3,) of the plane, which is the frame's z axis; x is along the longer side.
+        height: [m] of the plane along its normal.
     """
     first = np.linalg.svd(normal[None])[2][1]
     axes = np.stack([first, np.cross(normal, first)])

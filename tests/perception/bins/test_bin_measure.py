@@ -8,7 +8,7 @@ import pytest
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import ALL_KINDS
-from workbench.perception.scene.bin_measure import measure_bin
+from workbench.perception.bins.bin_measure import measure_bin
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 

@@ -15,7 +15,7 @@ from workbench.model.messages.calibration import BinText
 from workbench.model.messages.message import Message
 from workbench.model.part import Bin, Part
 from workbench.model.scan import Detection
-from workbench.perception.scene.bin_fit import SeenBin, above_floor
+from workbench.perception.bins.bin_fit import SeenBin, above_floor
 
 GRID = 0.005
 """[m] Width of the pieces into which the inside is divided, seen from above."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from workbench.model.geometry import pose_from_rpy
-from workbench.perception.scene.floor_search import find_floor
+from workbench.perception.bins.floor_search import find_floor
 
 
 def scene(tilt, seed=0):

@@ -10,7 +10,7 @@ import trimesh
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Detection, Scan
-from workbench.perception.scene.bin_check import check_bin
+from workbench.perception.bins.bin_check import check_bin
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 

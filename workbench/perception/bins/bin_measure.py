@@ -10,8 +10,8 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.geometry import Floats
-from workbench.perception.scene.bin_search import rectangle_around
-from workbench.perception.scene.floor_search import find_floor
+from workbench.perception.bins.bin_search import rectangle_around
+from workbench.perception.bins.floor_search import find_floor
 
 MOST = 30_000
 """Points that are checked; of more every second, third, ..."""
