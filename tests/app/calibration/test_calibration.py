@@ -12,7 +12,7 @@ from workbench.app.calibration.calibration import (
     moved_by,
     with_calibration,
 )
-from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
+from workbench.app.calibration.ball_plate import simulated_sight, suggested_poses
 from workbench.app.core.cell.changes import ChangeCell, UndoCell
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.scanning import SightPlate, UseObservations
