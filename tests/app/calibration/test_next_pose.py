@@ -6,8 +6,8 @@ import pytest
 from held_plates import CENTRES, CORNERS, X, Y, scene
 from shipped import shipped
 
-from workbench.app.calibration.calibration import compute_calibration
 from workbench.app.calibration.ball_plate import simulated_sight, suggested_poses
+from workbench.app.calibration.calibration import compute_calibration
 from workbench.app.calibration.next_pose import SIDES, next_poses, steps_to
 from workbench.model.calibration import BallPlate
 from workbench.model.geometry import pose_from_rpy
