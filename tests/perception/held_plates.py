@@ -67,7 +67,8 @@ def wrist_scene(seed, *, count=12, ball=5e-5, shift=0.0, turn=0.0) -> list[Plate
         U = (T * H).actInv(STANDS)
         balls = CENTRES @ U.rotation.T + U.translation + rng.normal(0, ball, (3, 3))
         wrong = pin.SE3(pin.exp3(turn * rng.standard_normal(3)), shift * rng.standard_normal(3))
-        poses.append(PlatePose(f"pose {number}", plate_mover(T * wrong, V), balls))
+        mover = plate_mover(T * wrong, V)
+        poses.append(PlatePose(f"pose {number}", mover, balls, at=V.translation))
     return poses
 
 

@@ -8,7 +8,13 @@ from held_plates import CENTRES, CORNERS, NEAR, X, Y, off_at_corners, off_truth,
 from workbench.perception.calibration.calibrate import PlatePose, calibrate
 from workbench.perception.calibration.plate_poses import distances, moved, offsets, slopes
 from workbench.perception.calibration.rigid import fitted_motion
-from workbench.perception.calibration.sureness import best_fit, point_errors, predicted_offsets
+from workbench.perception.calibration.sureness import (
+    best_fit,
+    error_covariances,
+    point_errors,
+    predicted_offsets,
+    rigid_errors,
+)
 
 SEEDS = 200
 CHI_SQUARE = 16.81
@@ -53,7 +59,7 @@ def test_each_pose_is_predicted_as_by_a_fit_without_it(count):
     fit = best_fit(poses, NEAR, CENTRES)
     for k, said in enumerate(predicted_offsets(poses, fit, CENTRES)):
         rest = [pose for number, pose in enumerate(poses) if number != k]
-        answer = refitted(rest, fit.answer, fit.ratio)
+        answer = refitted(rest, fit)
         distance = distances([poses[k]], answer, CENTRES)[0]
         R, _ = fitted_motion(CENTRES, poses[k].balls)
         turn = (poses[k].T_world_flange.rotation @ answer[1].rotation).T @ answer[0].rotation @ R
@@ -62,13 +68,15 @@ def test_each_pose_is_predicted_as_by_a_fit_without_it(count):
         assert said[1] == pytest.approx(np.linalg.norm(pin.log3(turn)), rel=0.03, abs=2e-6)
 
 
-def refitted(poses, answer, ratio):
-    """Least squares with turns weighed by `ratio`, by steps along numerical slopes."""
+def refitted(poses, fit):
+    """Least squares weighed by the variances of a fit, by steps along numerical slopes."""
+    answer = fit.answer
 
     def off(step):
-        found = offsets(poses, moved(answer, step), CENTRES)
-        middle = found.mean(axis=1, keepdims=True)
-        return (middle + ratio * (found - middle)).ravel()
+        _, seen, to_turns = rigid_errors(poses, moved(answer, step), CENTRES)
+        kinds = error_covariances(poses, fit.answer, CENTRES, to_turns)
+        roots = np.linalg.cholesky(np.einsum("c,cnij->nij", fit.variances, kinds))
+        return np.linalg.solve(roots, seen[..., None]).ravel()
 
     for _ in range(4):
         rows = np.array([(off(s) - off(-s)) / 2e-6 for s in np.eye(12) * 1e-6]).T

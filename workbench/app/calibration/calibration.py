@@ -56,13 +56,14 @@ def check_stands(cell: Cell) -> None:
 
 def poses_of(cell: Cell, observations: Sequence[PlateObservation]) -> list[PlatePose]:
     """The same with the flange where the robot's joints say it is; all of one arm."""
-    kinematics = Kinematics(cell)
+    kinematics, carrier = Kinematics(cell), cell.scanner.on_arm
     return [
         PlatePose(
             observation.name,
             plate_flange(cell, kinematics, cell.arm(observation.arm), observation.q),
             observation.balls,
             observation.is_used,
+            None if carrier is None else flange_at_view(cell.scanner).translation,
         )
         for observation in observations
     ]

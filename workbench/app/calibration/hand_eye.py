@@ -53,5 +53,9 @@ def _solve(pairs: Sequence[PosePair], cell: Cell, *, in_hand: bool) -> Calibrati
         T = cell.T_world_robot * pair.T_base_flange
         T_camera_target = pair.T_camera_target
         balls = centres @ T_camera_target.rotation.T + T_camera_target.translation
-        poses.append(PlatePose(pair.name, plate_mover(T, T_world_view) if in_hand else T, balls))
+        if in_hand:
+            mover, at = plate_mover(T, T_world_view), T_world_view.translation
+        else:
+            mover, at = T, None
+        poses.append(PlatePose(pair.name, mover, balls, at=at))
     return calibrate(poses, centres)

@@ -3,15 +3,18 @@
 A robot is less exact than a scanner of balls is: where it holds the plate is off by some tenths of
 a millimetre; how it turns it is off by some hundredths of a degree, for all three balls of a pose
 alike.  Nine numbers of a pose are therefore no nine measurements.  They are taken as one shift
-and one turn of the plate.  Their two variances are estimated from the poses themselves by their
-second moments (Rao, Journal of Multivariate Analysis 1, 1971), and by which both are weighed.
-Balls that are each off by themselves are the case of equal variances.
+and one turn of the plate.  Four kinds of errors make them: the flange is shifted, it is turned,
+which shifts a plate that is far from it, the plate is seen turned, and each ball is seen shifted.
+The variance of the last is what the distances between the balls say; the others are estimated from
+the poses themselves by restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971),
+by steps of Rao's second moments (Journal of Multivariate Analysis 1, 1971), and weigh them.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import nnls
 from scipy.special import gammaincinv
 
 from workbench.model.geometry import Floats
@@ -27,14 +30,14 @@ from workbench.perception.calibration.plate_poses import (
 NOISE = 0.00005
 """[m] Nobody measures a ball better, however well a few of them happen to fit."""
 
-ROUNDS = 5
+BEGIN = 0.0001
+"""[m] Deviation of each kind of error at the beginning."""
+
+LEVER = 0.1
+"""[m] A turn counts as the shift of what is so far away."""
+
+ROUNDS = 10
 """Of weighing and fitting."""
-
-STEPS = 3
-"""Of Gauss and Newton in each; the beginning is a fit already."""
-
-RATIOS = (0.1, 10.0)
-"""Shifts count at most so much less and more than turns."""
 
 ALONE = 1e-6
 """Of a direction of a pose no more than this share is known without it: nothing is."""
@@ -47,33 +50,26 @@ SURE = 0.95
 class PlateFit:
     """The best answer, and what is not known of it.
 
-    `shift` and `turn` [m] are the deviations of a ball's coordinate by a shift of the whole plate
-    and by its turn.  `shifts` and `turns` (12, 12) are what the poses tell of the motion of `moved`
-    by each, of unit deviation and weighed by 1 and by `ratio`.
+    `variances` (4,) [m2] are those of the kinds of errors, in the order of `error_covariances`.
+    `information` (12, 12) is what the poses tell of the motion of `moved`.  `widening` is by how
+    much a covariance is larger since the variances are known by a few poses only.
     """
 
     answer: Answer
-    shift: float
-    turn: float
-    ratio: float
-    shifts: Floats
-    turns: Floats
+    variances: Floats
+    information: Floats
+    widening: float
 
     @property
     def covariance(self) -> Floats:
         """Of the scanner's pose (6, 6) [m, rad], as `Calibration` has it."""
-        return self.covariance_with(None)
+        return self.covariance_with(np.zeros((6, 12)))
 
-    def covariance_with(self, rows: Floats | None) -> Floats:
-        """Of the scanner's pose if one more pose had the rows (6, 12) of `rigid_slopes`."""
-        shifts, turns = self.shifts, self.turns
-        if rows is not None:
-            shifts = shifts + rows[:3].T @ rows[:3]
-            turns = turns + self.ratio**2 * rows[3:].T @ rows[3:]
-        bread = _inverse(shifts + turns)
-        spread = self.shift**2 * shifts + (self.ratio * self.turn) ** 2 * turns
+    def covariance_with(self, rows: Floats) -> Floats:
+        """Of the scanner's pose if one more pose had the rows (6, 12) of `weighed_slopes`."""
         R = np.kron(np.eye(2), self.answer[0].rotation)
-        found = R @ (bread @ spread @ bread)[:6, :6] @ R.T
+        known = _inverse(self.information + rows.T @ rows)[:6, :6]
+        found = self.widening * R @ known @ R.T
         return (found + found.T) / 2
 
 
@@ -85,27 +81,23 @@ def best_fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> Plat
         start: least squares over the balls, or better.
         centres: (3, 3) [m] of the balls in the plate's frame.
     """
-    fit = _fit_weighed(poses, start, centres, 1.0)
+    answer, variances = start, np.full(4, BEGIN**2)
     for _ in range(ROUNDS):
-        ratio = float(np.clip(fit.shift / fit.turn, *RATIOS))
-        fit = _fit_weighed(poses, fit.answer, centres, ratio)
-    return fit
-
-
-def _fit_weighed(
-    poses: Sequence[PlatePose], answer: Answer, centres: Floats, ratio: float
-) -> PlateFit:
-    """The best answer by one ratio of the weights, and what it leaves over."""
-    for _ in range(STEPS):
-        rows, off = _weigh(poses, answer, centres, ratio)
+        rows, off, _ = _weigh(poses, answer, centres, variances)
         bread = _inverse(np.einsum("nik,nil->kl", rows, rows))
         answer = moved(answer, -bread @ np.einsum("nik,ni->k", rows, off))
-    return PlateFit(answer, *_deviations(poses, answer, centres, ratio))
+        variances = _estimate_variances(poses, answer, centres, variances)
+    rows, _, _ = _weigh(poses, answer, centres, variances)
+    # As the 95 % quantile of Fisher's distribution is larger than that of the chi-square; most
+    # poses are off by one kind of error, which half of their numbers show.
+    freedom = 3 * len(poses) - 6
+    widening = (freedom + 2) / (freedom - 2)
+    return PlateFit(answer, variances, np.einsum("nik,nil->kl", rows, rows), widening)
 
 
-def rigid_slopes(pose: PlatePose, answer: Answer, centres: Floats) -> Floats:
-    """Three rows for the shift of the plate and three for its turn, (6, 12), no unit: weighed."""
-    return _rigid([pose], answer, centres)[0][0]
+def weighed_slopes(pose: PlatePose, fit: PlateFit, centres: Floats) -> Floats:
+    """Rows (6, 12), no unit, for shift and turn of the plate in a pose, by the errors of a fit."""
+    return _weigh([pose], fit.answer, centres, fit.variances)[0][0]
 
 
 def predicted_offsets(
@@ -125,20 +117,18 @@ def predicted_offsets(
         RMS over the balls [m] and the plate's turn [rad]; None of a pose that the others alone
         leave open.
     """
-    rows, off = _weigh(poses, fit.answer, centres, fit.ratio)
-    bread = _inverse(np.einsum("nik,nil->kl", rows, rows))
-    _, seen, to_turns = _rigid(poses, fit.answer, centres)
-    all_off = (offsets(poses, fit.answer, centres) ** 2).sum(axis=(1, 2))
+    rows, off, roots = _weigh(poses, fit.answer, centres, fit.variances)
+    bread = _inverse(fit.information)
+    _, seen, to_turns = rigid_errors(poses, fit.answer, centres)
+    bent = _bent(poses, fit.answer, centres, seen)
     found: list[tuple[float, float] | None] = []
     for k in range(len(poses)):
         left = np.eye(6) - rows[k] @ bread @ rows[k].T
         if np.linalg.eigvalsh((left + left.T) / 2)[0] < ALONE:
             found.append(None)
             continue
-        ahead = np.linalg.solve(left, off[k])
-        ahead[3:] /= fit.ratio
-        bent = max(all_off[k] - seen[k] @ seen[k], 0.0)  # the balls among each other
-        distance = float(np.sqrt((ahead @ ahead + bent) / 3))
+        ahead = roots[k] @ np.linalg.solve(left, off[k])
+        distance = float(np.sqrt((ahead @ ahead + bent[k]) / 3))
         found.append((distance, float(np.linalg.norm(to_turns[k] @ ahead[3:]))))
     return found
 
@@ -166,7 +156,7 @@ def point_errors(covariance: Floats, origin: Floats, points: Floats) -> Floats:
     return np.sqrt(squares / np.maximum(mean, 1e-300) * 2 * gammaincinv(freedom / 2, SURE))
 
 
-def _rigid(
+def rigid_errors(
     poses: Sequence[PlatePose], answer: Answer, centres: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Slopes (n, 6, 12) and offsets (n, 6) of shifts and turns, and what makes the latter turns.
@@ -187,44 +177,80 @@ def _rigid(
     return rows, seen, np.linalg.inv(triangle)
 
 
-def _weigh(
-    poses: Sequence[PlatePose], answer: Answer, centres: Floats, ratio: float
-) -> tuple[Floats, Floats]:
-    rows, off, _ = _rigid(poses, answer, centres)
-    rows[:, 3:] *= ratio
-    off[:, 3:] *= ratio
-    return rows, off
+def error_covariances(
+    poses: Sequence[PlatePose], answer: Answer, centres: Floats, to_turns: Floats
+) -> Floats:
+    """What unit variances of errors make of the offsets of `rigid_errors`, (4, n, 6, 6), no unit.
 
+    Shifts of the hand, its turns about itself, turns of the plate about its middle, of both by what
+    they shift at `LEVER`, and shifts of single balls.
 
-def _deviations(
-    poses: Sequence[PlatePose], answer: Answer, centres: Floats, ratio: float
-) -> tuple[float, float, float, Floats, Floats]:
-    """All of `PlateFit` but its answer.
-
-    The sums of squares left over are what both variances would leave on average.  A variance that
-    was measured by few numbers is taken as larger by some (n + 2) / (n - 2): as the 95 % quantile
-    of Fisher's distribution is than that of the chi-square.
+    Args:
+        poses: n of them.
+        answer: where scanner and plate are.
+        centres: (3, 3) [m] of the balls in the plate's frame.
+        to_turns: (n, 3, 3), see `rigid_errors`.
     """
-    rows, off = _weigh(poses, answer, centres, ratio)
-    parts = [np.einsum("nik,nil->kl", half, half) for half in (rows[:, :3], rows[:, 3:])]
-    bread = _inverse(parts[0] + parts[1])
-    taken = [bread @ part for part in parts]
-    # Traces of P_a M P_b M, where M takes from the noise what the fit follows of it.
-    whole = 3.0 * len(poses)
-    mixed = float(np.trace(taken[0] @ taken[1]))
-    left = [
-        whole - 2 * float(np.trace(projection)) + float(np.trace(projection @ projection))
-        for projection in taken
+    middle = answer[1].act(centres.mean(axis=0))
+    arms = np.array([pose.T_world_flange.act(middle) - pose.hand for pose in poses])
+    turns = np.linalg.inv(to_turns) / LEVER
+    shifts = -np.sqrt(3.0) * crosses(arms) / LEVER
+    by_hand = np.concatenate([shifts, turns], axis=1)
+    by_plate = np.concatenate([np.zeros_like(shifts), turns], axis=1)
+    found = np.zeros((4, len(poses), 6, 6))
+    found[0, :, :3, :3] = 3 * np.eye(3)
+    for number, jacobian in ((1, by_hand), (2, by_plate)):
+        found[number] = jacobian @ jacobian.transpose(0, 2, 1)
+    found[3] = np.eye(6)
+    return found
+
+
+def _weigh(
+    poses: Sequence[PlatePose], answer: Answer, centres: Floats, variances: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Slopes (n, 6, 12) and offsets (n, 6) in deviations, and these (n, 6, 6): lower triangles."""
+    rows, off, to_turns = rigid_errors(poses, answer, centres)
+    kinds = error_covariances(poses, answer, centres, to_turns)
+    roots = np.linalg.cholesky(np.einsum("c,cnij->nij", variances, kinds))
+    return np.linalg.solve(roots, rows), np.linalg.solve(roots, off[..., None])[..., 0], roots
+
+
+def _estimate_variances(
+    poses: Sequence[PlatePose], answer: Answer, centres: Floats, before: Floats
+) -> Floats:
+    """The variances (4,) [m2] of the kinds of errors, from those (4,) [m2] of the round before.
+
+    What is left over is, on average, what the kinds of errors leave, less what the fit follows of
+    them.  None is below zero.
+    """
+    rows, seen, to_turns = rigid_errors(poses, answer, centres)
+    count = len(poses)
+    ball = max(NOISE**2, float(_bent(poses, answer, centres, seen).sum()) / (3 * count))
+    kinds = error_covariances(poses, answer, centres, to_turns)
+    weights = np.linalg.inv(np.einsum("c,cnij->nij", before, kinds))
+    # The projection that takes from weighed offsets what the fit follows of them.
+    followed = (weights @ rows).reshape(-1, 12)
+    bread = _inverse(np.einsum("nik,nij,njl->kl", rows, weights, rows))
+    projection = -(followed @ bread @ followed.T)
+    blocks = projection.reshape(count, 6, count, 6)
+    each = np.arange(count)
+    blocks[each, :, each] += weights
+    left = (projection @ seen.ravel()).reshape(count, 6)
+    taken = [
+        np.einsum("anj,njk->ank", projection.reshape(-1, count, 6), kind).reshape(projection.shape)
+        for kind in kinds
     ]
-    sums = [float((half**2).sum()) for half in (off[:, :3], off[:, 3:])]
-    found = np.linalg.lstsq(
-        np.array([[left[0], mixed], [mixed, left[1]]]), np.array(sums), rcond=1e-9
-    )[0]
-    deviations: list[float] = []
-    for variance, freedom, weight in zip(found, left, (1.0, ratio), strict=True):
-        wider = (freedom + 2) / (freedom - 2) if freedom > 4 else 3.0
-        deviations.append(max(NOISE, float(np.sqrt(max(variance, 0.0) * wider)) / weight))
-    return deviations[0], deviations[1], ratio, parts[0], parts[1]
+    shares = np.array([[np.sum(one * other.T) for other in taken] for one in taken[:3]])
+    sums = np.einsum("ni,cnij,nj->c", left, kinds[:3], left) - ball * shares[:, 3]
+    size = 1 / np.sqrt(np.diag(shares))
+    found, _ = nnls(size[:, None] * shares[:, :3] * size, size * sums)
+    return np.array([*(size * found), ball])
+
+
+def _bent(poses: Sequence[PlatePose], answer: Answer, centres: Floats, seen: Floats) -> Floats:
+    """What the balls of each pose are off among each other, (n,) [m2], beside `seen` (n, 6) [m]."""
+    squares = (offsets(poses, answer, centres) ** 2).sum(axis=(1, 2))
+    return np.maximum(squares - (seen**2).sum(axis=1), 0.0)
 
 
 def _inverse(matrix: Floats) -> Floats:
