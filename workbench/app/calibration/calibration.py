@@ -8,14 +8,13 @@ c`.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import Calibration, PlateObservation
 from workbench.model.cell import Arm, Bin, Cell
-from workbench.model.derived.scanner_poses import flange_at_view, turn_covariance, with_scanner_at
+from workbench.model.derived.scanner_poses import flange_at_view, with_calibrated_scanner
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.messages.calibration import PlateText
@@ -110,11 +109,8 @@ def plate_pose(
 
 def with_calibration(cell: Cell, calibration: Calibration, at: float, by: str) -> Cell:
     """The cell with its scanner where the calibration says; `at` [s since the epoch], `by` whom."""
-    after = with_scanner_at(cell, calibration.T_world_scanner)
     record = calibration.record(at, by)
-    R_flange_world = flange_at_view(cell.scanner).rotation.T
-    record = replace(record, covariance=turn_covariance(calibration.covariance, R_flange_world))
-    return replace(after, scanner=replace(after.scanner, calibration=record))
+    return with_calibrated_scanner(cell, calibration.T_world_scanner, record)
 
 
 def corner_errors(

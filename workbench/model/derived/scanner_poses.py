@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.calibration import CalibrationRecord
 from workbench.model.cell import Cell, ScannerMount
 from workbench.model.geometry import Floats
 
@@ -24,6 +25,21 @@ def with_scanner_at(cell: Cell, T_world_scanner: pin.SE3) -> Cell:
         carrier = replace(carrier, T_flange_scanner=T_flange_scanner)
     scanner = replace(mount, T_world_scanner=T_world_scanner, on_arm=carrier)
     return replace(cell, scanner=scanner)
+
+
+def with_calibrated_scanner(
+    cell: Cell, T_world_scanner: pin.SE3, record: CalibrationRecord
+) -> Cell:
+    """The cell with its scanner there, and the record of who has measured that.
+
+    The record's covariance is along the world's axes; it is kept as `calibration_covariance` reads
+    it.
+    """
+    after = with_scanner_at(cell, T_world_scanner)
+    if record.covariance is not None:
+        R_flange_world = flange_at_view(cell.scanner).rotation.T
+        record = replace(record, covariance=turn_covariance(record.covariance, R_flange_world))
+    return replace(after, scanner=replace(after.scanner, calibration=record))
 
 
 def scanner_pose(cell: Cell, q: Floats) -> pin.SE3:
