@@ -7,14 +7,9 @@ from held_plates import CENTRES, CORNERS, NEAR, X, Y, off_at_corners, off_truth,
 
 from workbench.perception.calibration.calibrate import PlatePose, calibrate
 from workbench.perception.calibration.plate_poses import distances, moved, offsets, slopes
+from workbench.perception.calibration.pose_errors import error_covariances, rigid_errors
 from workbench.perception.calibration.rigid import fitted_motion
-from workbench.perception.calibration.sureness import (
-    best_fit,
-    error_covariances,
-    point_errors,
-    predicted_offsets,
-    rigid_errors,
-)
+from workbench.perception.calibration.sureness import best_fit, point_errors, predicted_offsets
 
 SEEDS = 200
 CHI_SQUARE = 16.81

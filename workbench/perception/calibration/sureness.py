@@ -3,41 +3,38 @@
 A robot is less exact than a scanner of balls is: where it holds the plate is off by some tenths of
 a millimetre; how it turns it is off by some hundredths of a degree, for all three balls of a pose
 alike.  Nine numbers of a pose are therefore no nine measurements.  They are taken as one shift
-and one turn of the plate.  Four kinds of errors make them: the flange is shifted, it is turned,
-which shifts a plate that is far from it, the plate is seen turned, and each ball is seen shifted.
-The variance of the last is what the distances between the balls say; the others are estimated from
-the poses themselves by restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971),
-by steps of Rao's second moments (Journal of Multivariate Analysis 1, 1971), and weigh them.
+and one turn of the plate, which four kinds of errors make (`pose_errors`) and their variances
+weigh.  Errors of real robots are not all of that form: where poses predict each other clearly
+better without turns of the flange, these are left out.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 from scipy.special import gammaincinv
 
 from workbench.model.geometry import Floats
-from workbench.perception.calibration.plate_poses import (
-    Answer,
-    PlatePose,
-    crosses,
-    moved,
-    offsets,
-    slopes,
+from workbench.perception.calibration.plate_poses import Answer, PlatePose, crosses, moved
+from workbench.perception.calibration.pose_errors import (
+    bent_squares,
+    estimate_variances,
+    inverse,
+    rigid_errors,
+    weigh,
 )
-
-NOISE = 0.00005
-"""[m] Nobody measures a ball better, however well a few of them happen to fit."""
 
 BEGIN = 0.0001
 """[m] Deviation of each kind of error at the beginning."""
 
-LEVER = 0.1
-"""[m] A turn counts as the shift of what is so far away."""
-
 ROUNDS = 10
 """Of weighing and fitting."""
+
+KINDS, FEWER_KINDS = (0, 1, 2), (0, 2)
+"""Errors of `error_covariances` that are estimated, and those without turns of the flange."""
+
+CLEARLY = 0.95
+"""Predictions are clearly better where they are off by less than this share."""
 
 ALONE = 1e-6
 """Of a direction of a pose no more than this share is known without it: nothing is."""
@@ -68,7 +65,7 @@ class PlateFit:
     def covariance_with(self, rows: Floats) -> Floats:
         """Of the scanner's pose if one more pose had the rows (6, 12) of `weighed_slopes`."""
         R = np.kron(np.eye(2), self.answer[0].rotation)
-        known = _inverse(self.information + rows.T @ rows)[:6, :6]
+        known = inverse(self.information + rows.T @ rows)[:6, :6]
         found = self.widening * R @ known @ R.T
         return (found + found.T) / 2
 
@@ -81,13 +78,27 @@ def best_fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> Plat
         start: least squares over the balls, or better.
         centres: (3, 3) [m] of the balls in the plate's frame.
     """
-    answer, variances = start, np.full(4, BEGIN**2)
+    fit = _fit_kinds(poses, start, centres, KINDS)
+    simpler = _fit_kinds(poses, fit.answer, centres, FEWER_KINDS)
+    off, simpler_off = (
+        sum(predicted[0] ** 2 for predicted in predicted_offsets(poses, each, centres) if predicted)
+        for each in (fit, simpler)
+    )
+    return simpler if simpler_off < CLEARLY**2 * off else fit
+
+
+def _fit_kinds(
+    poses: Sequence[PlatePose], answer: Answer, centres: Floats, kinds: tuple[int, ...]
+) -> PlateFit:
+    """The best answer if the errors, besides those of the balls, are of these kinds."""
+    variances = np.zeros(4)
+    variances[[*kinds, 3]] = BEGIN**2
     for _ in range(ROUNDS):
-        rows, off, _ = _weigh(poses, answer, centres, variances)
-        bread = _inverse(np.einsum("nik,nil->kl", rows, rows))
+        rows, off, _ = weigh(poses, answer, centres, variances)
+        bread = inverse(np.einsum("nik,nil->kl", rows, rows))
         answer = moved(answer, -bread @ np.einsum("nik,ni->k", rows, off))
-        variances = _estimate_variances(poses, answer, centres, variances)
-    rows, _, _ = _weigh(poses, answer, centres, variances)
+        variances = estimate_variances(poses, answer, centres, variances, kinds)
+    rows, _, _ = weigh(poses, answer, centres, variances)
     # As the 95 % quantile of Fisher's distribution is larger than that of the chi-square; most
     # poses are off by one kind of error, which half of their numbers show.
     freedom = 3 * len(poses) - 6
@@ -97,7 +108,7 @@ def best_fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> Plat
 
 def weighed_slopes(pose: PlatePose, fit: PlateFit, centres: Floats) -> Floats:
     """Rows (6, 12), no unit, for shift and turn of the plate in a pose, by the errors of a fit."""
-    return _weigh([pose], fit.answer, centres, fit.variances)[0][0]
+    return weigh([pose], fit.answer, centres, fit.variances)[0][0]
 
 
 def predicted_offsets(
@@ -117,10 +128,10 @@ def predicted_offsets(
         RMS over the balls [m] and the plate's turn [rad]; None of a pose that the others alone
         leave open.
     """
-    rows, off, roots = _weigh(poses, fit.answer, centres, fit.variances)
-    bread = _inverse(fit.information)
+    rows, off, roots = weigh(poses, fit.answer, centres, fit.variances)
+    bread = inverse(fit.information)
     _, seen, to_turns = rigid_errors(poses, fit.answer, centres)
-    bent = _bent(poses, fit.answer, centres, seen)
+    bent = bent_squares(poses, fit.answer, centres, seen)
     found: list[tuple[float, float] | None] = []
     for k in range(len(poses)):
         left = np.eye(6) - rows[k] @ bread @ rows[k].T
@@ -154,105 +165,3 @@ def point_errors(covariance: Floats, origin: Floats, points: Floats) -> Floats:
     # From 1, where one direction has it all, to 3; also where nothing is unsure.
     freedom = np.maximum(mean**2 / np.maximum(squares, 1e-300), 1.0)
     return np.sqrt(squares / np.maximum(mean, 1e-300) * 2 * gammaincinv(freedom / 2, SURE))
-
-
-def rigid_errors(
-    poses: Sequence[PlatePose], answer: Answer, centres: Floats
-) -> tuple[Floats, Floats, Floats]:
-    """Slopes (n, 6, 12) and offsets (n, 6) of shifts and turns, and what makes the latter turns.
-
-    The unit is that of a ball's coordinate [m]; the last, (n, 3, 3), brings the three numbers of a
-    turn to its rotation vector [rad].
-    """
-    off, slope = offsets(poses, answer, centres), slopes(poses, answer, centres)
-    arms = (centres - centres.mean(axis=0)) @ answer[1].rotation.T
-    turned = np.array([-crosses(arms @ pose.T_world_flange.rotation.T) for pose in poses])
-    basis, triangle = np.linalg.qr(turned.reshape(-1, 9, 3))
-    across = basis.transpose(0, 2, 1)
-    size = np.sqrt(3.0)
-    rows = np.concatenate([size * slope.mean(axis=1), across @ slope.reshape(-1, 9, 12)], axis=1)
-    seen = np.concatenate(
-        [size * off.mean(axis=1), (across @ off.reshape(-1, 9, 1))[..., 0]], axis=1
-    )
-    return rows, seen, np.linalg.inv(triangle)
-
-
-def error_covariances(
-    poses: Sequence[PlatePose], answer: Answer, centres: Floats, to_turns: Floats
-) -> Floats:
-    """What unit variances of errors make of the offsets of `rigid_errors`, (4, n, 6, 6), no unit.
-
-    Shifts of the hand, its turns about itself, turns of the plate about its middle, of both by what
-    they shift at `LEVER`, and shifts of single balls.
-
-    Args:
-        poses: n of them.
-        answer: where scanner and plate are.
-        centres: (3, 3) [m] of the balls in the plate's frame.
-        to_turns: (n, 3, 3), see `rigid_errors`.
-    """
-    middle = answer[1].act(centres.mean(axis=0))
-    arms = np.array([pose.T_world_flange.act(middle) - pose.hand for pose in poses])
-    turns = np.linalg.inv(to_turns) / LEVER
-    shifts = -np.sqrt(3.0) * crosses(arms) / LEVER
-    by_hand = np.concatenate([shifts, turns], axis=1)
-    by_plate = np.concatenate([np.zeros_like(shifts), turns], axis=1)
-    found = np.zeros((4, len(poses), 6, 6))
-    found[0, :, :3, :3] = 3 * np.eye(3)
-    for number, jacobian in ((1, by_hand), (2, by_plate)):
-        found[number] = jacobian @ jacobian.transpose(0, 2, 1)
-    found[3] = np.eye(6)
-    return found
-
-
-def _weigh(
-    poses: Sequence[PlatePose], answer: Answer, centres: Floats, variances: Floats
-) -> tuple[Floats, Floats, Floats]:
-    """Slopes (n, 6, 12) and offsets (n, 6) in deviations, and these (n, 6, 6): lower triangles."""
-    rows, off, to_turns = rigid_errors(poses, answer, centres)
-    kinds = error_covariances(poses, answer, centres, to_turns)
-    roots = np.linalg.cholesky(np.einsum("c,cnij->nij", variances, kinds))
-    return np.linalg.solve(roots, rows), np.linalg.solve(roots, off[..., None])[..., 0], roots
-
-
-def _estimate_variances(
-    poses: Sequence[PlatePose], answer: Answer, centres: Floats, before: Floats
-) -> Floats:
-    """The variances (4,) [m2] of the kinds of errors, from those (4,) [m2] of the round before.
-
-    What is left over is, on average, what the kinds of errors leave, less what the fit follows of
-    them.  None is below zero.
-    """
-    rows, seen, to_turns = rigid_errors(poses, answer, centres)
-    count = len(poses)
-    ball = max(NOISE**2, float(_bent(poses, answer, centres, seen).sum()) / (3 * count))
-    kinds = error_covariances(poses, answer, centres, to_turns)
-    weights = np.linalg.inv(np.einsum("c,cnij->nij", before, kinds))
-    # The projection that takes from weighed offsets what the fit follows of them.
-    followed = (weights @ rows).reshape(-1, 12)
-    bread = _inverse(np.einsum("nik,nij,njl->kl", rows, weights, rows))
-    projection = -(followed @ bread @ followed.T)
-    blocks = projection.reshape(count, 6, count, 6)
-    each = np.arange(count)
-    blocks[each, :, each] += weights
-    left = (projection @ seen.ravel()).reshape(count, 6)
-    taken = [
-        np.einsum("anj,njk->ank", projection.reshape(-1, count, 6), kind).reshape(projection.shape)
-        for kind in kinds
-    ]
-    shares = np.array([[np.sum(one * other.T) for other in taken] for one in taken[:3]])
-    sums = np.einsum("ni,cnij,nj->c", left, kinds[:3], left) - ball * shares[:, 3]
-    size = 1 / np.sqrt(np.diag(shares))
-    found, _ = nnls(size[:, None] * shares[:, :3] * size, size * sums)
-    return np.array([*(size * found), ball])
-
-
-def _bent(poses: Sequence[PlatePose], answer: Answer, centres: Floats, seen: Floats) -> Floats:
-    """What the balls of each pose are off among each other, (n,) [m2], beside `seen` (n, 6) [m]."""
-    squares = (offsets(poses, answer, centres) ** 2).sum(axis=(1, 2))
-    return np.maximum(squares - (seen**2).sum(axis=1), 0.0)
-
-
-def _inverse(matrix: Floats) -> Floats:
-    """Of a symmetric matrix; directions in which it says nothing stay at zero."""
-    return np.asarray(np.linalg.pinv(matrix, rcond=1e-14, hermitian=True), dtype=np.float64)
