@@ -1,10 +1,9 @@
 """Errors of the poses of a plate: kinds of them, what they make of its shifts and turns, variances.
 
-The flange is shifted, it is turned, which shifts a plate that is far from it, the plate is seen
-turned, and each ball is seen shifted.  The variance of the last is what the distances between the
-balls say; the others are estimated from the poses themselves by restricted maximum likelihood
-(Patterson and Thompson, Biometrika 58, 1971), by steps of Rao's second moments (Journal of
-Multivariate Analysis 1, 1971).
+The flange is shifted.  It is turned, which shifts a plate that is far from it.  The plate is seen
+turned.  Each ball is seen shifted: the distances between balls give that variance.  The others are
+estimated from the poses themselves by restricted maximum likelihood (Patterson and Thompson,
+Biometrika 58, 1971).  A step takes Rao's second moments (Journal of Multivariate Analysis 1, 1971).
 """
 
 from collections.abc import Sequence
@@ -25,16 +24,20 @@ NOISE = 0.00005
 """[m] Nobody measures a ball better, however well a few of them happen to fit."""
 
 LEVER = 0.1
-"""[m] A turn counts as the shift of what is so far away."""
+"""[m] A turn counts as the shift of a point at this distance."""
 
 
 def rigid_errors(
     poses: Sequence[PlatePose], answer: Answer, centres: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Slopes (n, 6, 12) and offsets (n, 6) of shifts and turns, and what makes the latter turns.
+    """Slopes (n, 6, 12) and offsets (n, 6) [m] of shifts and turns, and what makes these turns.
 
-    The unit is that of a ball's coordinate [m]; the last, (n, 3, 3), brings the three numbers of a
-    turn to its rotation vector [rad].
+    The last, (n, 3, 3) [rad/m], brings the three numbers of a turn to its rotation vector.
+
+    Args:
+        poses: n of them.
+        answer: where scanner and plate are.
+        centres: (3, 3) [m] of the balls in the plate's frame.
     """
     off, slope = offsets(poses, answer, centres), slopes(poses, answer, centres)
     arms = (centres - centres.mean(axis=0)) @ answer[1].rotation.T
@@ -54,14 +57,14 @@ def error_covariances(
 ) -> Floats:
     """What unit variances of errors make of the offsets of `rigid_errors`, (4, n, 6, 6), no unit.
 
-    Shifts of the hand, its turns about itself, turns of the plate about its middle, of both by what
-    they shift at `LEVER`, and shifts of single balls.
+    Shifts of the hand, its turns about itself, turns of the plate about its middle, and shifts of
+    single balls.  Turns are measured by what they shift at `LEVER`.
 
     Args:
         poses: n of them.
         answer: where scanner and plate are.
         centres: (3, 3) [m] of the balls in the plate's frame.
-        to_turns: (n, 3, 3), see `rigid_errors`.
+        to_turns: (n, 3, 3) [rad/m], see `rigid_errors`.
     """
     middle = answer[1].act(centres.mean(axis=0))
     arms = np.array([pose.T_world_flange.act(middle) - pose.hand for pose in poses])
@@ -80,7 +83,14 @@ def error_covariances(
 def weigh(
     poses: Sequence[PlatePose], answer: Answer, centres: Floats, variances: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Slopes (n, 6, 12) and offsets (n, 6) in deviations, and these (n, 6, 6): lower triangles."""
+    """Slopes (n, 6, 12) and offsets (n, 6) in deviations, and these (n, 6, 6) [m], triangular.
+
+    Args:
+        poses: n of them.
+        answer: where scanner and plate are.
+        centres: (3, 3) [m] of the balls in the plate's frame.
+        variances: (4,) [m2] of the kinds of errors.
+    """
     rows, off, to_turns = rigid_errors(poses, answer, centres)
     kinds = error_covariances(poses, answer, centres, to_turns)
     roots = np.linalg.cholesky(np.einsum("c,cnij->nij", variances, kinds))
@@ -98,6 +108,13 @@ def estimate_variances(
 
     What is left over is, on average, what the kinds of errors leave, less what the fit follows of
     them.  None is below zero; those of kinds that are not wanted are zero.
+
+    Args:
+        poses: n of them.
+        answer: where scanner and plate are.
+        centres: (3, 3) [m] of the balls in the plate's frame.
+        before: see there.
+        wanted: numbers of the kinds, besides that of single balls.
     """
     rows, seen, to_turns = rigid_errors(poses, answer, centres)
     count = len(poses)
@@ -129,11 +146,18 @@ def estimate_variances(
 def bent_squares(
     poses: Sequence[PlatePose], answer: Answer, centres: Floats, seen: Floats
 ) -> Floats:
-    """What the balls of each pose are off among each other, (n,) [m2], beside `seen` (n, 6) [m]."""
+    """What the balls of each pose are off among each other, (n,) [m2], besides `seen` (n, 6) [m].
+
+    Args:
+        poses: n of them.
+        answer: where scanner and plate are.
+        centres: (3, 3) [m] of the balls in the plate's frame.
+        seen: the offsets of `rigid_errors`.
+    """
     squares = (offsets(poses, answer, centres) ** 2).sum(axis=(1, 2))
     return np.maximum(squares - (seen**2).sum(axis=1), 0.0)
 
 
 def inverse(matrix: Floats) -> Floats:
-    """Of a symmetric matrix; directions in which it says nothing stay at zero."""
+    """Of a symmetric matrix (n, n), no unit; directions in which it is zero stay at zero."""
     return np.asarray(np.linalg.pinv(matrix, rcond=1e-14, hermitian=True), dtype=np.float64)

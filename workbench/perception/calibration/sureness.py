@@ -33,8 +33,9 @@ ROUNDS = 10
 KINDS, FEWER_KINDS = (0, 1, 2), (0, 2)
 """Errors of `error_covariances` that are estimated, and those without turns of the flange."""
 
-CLEARLY = 0.95
-"""Predictions are clearly better where they are off by less than this share."""
+CLEARLY, ENOUGH = 0.85, 12
+"""Predictions are clearly better where they are off by less than this share, where there are at
+least as many poses: a few predict each other well by chance."""
 
 ALONE = 1e-6
 """Of a direction of a pose no more than this share is known without it: nothing is."""
@@ -48,7 +49,7 @@ class PlateFit:
     """The best answer, and what is not known of it.
 
     `variances` (4,) [m2] are those of the kinds of errors, in the order of `error_covariances`.
-    `information` (12, 12) is what the poses tell of the motion of `moved`.  `widening` is by how
+    `information` (12, 12) [1/m2, 1/rad2] is that of the motion of `moved`.  `widening` is by how
     much a covariance is larger since the variances are known by a few poses only.
     """
 
@@ -79,6 +80,8 @@ def best_fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> Plat
         centres: (3, 3) [m] of the balls in the plate's frame.
     """
     fit = _fit_kinds(poses, start, centres, KINDS)
+    if len(poses) < ENOUGH:
+        return fit
     simpler = _fit_kinds(poses, fit.answer, centres, FEWER_KINDS)
     off, simpler_off = (
         sum(predicted[0] ** 2 for predicted in predicted_offsets(poses, each, centres) if predicted)

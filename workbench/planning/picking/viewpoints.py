@@ -25,7 +25,7 @@ ASIDE = 0.03
 """[m] Largest distance of what is shown from the scanner's axis, where nothing else is wanted."""
 
 NEARER, FARTHER = 0.7, 1.1
-"""Of the distance from the view, a scanner on an arm looks from so far away."""
+"""Least and greatest distance of a scanner on an arm, over that from its view."""
 
 RANGE_MARGIN = 0.06
 """[m] From the ends of the scanner's range, half of what is shown."""
