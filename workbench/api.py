@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pinocchio as pin
 
+from workbench.app.calibration import ball_plate
 from workbench.app.calibration import calibration as calibrations
-from workbench.app.calibration import held_plate
 from workbench.app.calibration.calibration import with_calibration
 from workbench.app.core.command import Entry
 from workbench.app.core.cycle import approval
@@ -268,16 +268,16 @@ def session_cases(folder: str | Path) -> tuple[Path, ...]:
 def plate_poses(
     cell: Cell, plate: BallPlate, *, arm: str = "right", count: int = 8, seed: int = 0
 ) -> tuple[Floats, ...]:
-    """Configurations (n,) [rad] of an arm in which the scanner sees the plate that it holds.
+    """Configurations (n,) [rad] of an arm in which the scanner sees the plate.
 
     Args:
         cell: whose arm and scanner.
-        plate: held beside the tool.
+        plate: held beside the tool; over the bin where the arm carries the scanner.
         arm: its name.
         count: how many are wanted; fewer come back where there are no more.
         seed: the same seed finds the same.
     """
-    return held_plate.suggested_poses(cell, cell.arm(arm), plate, count, seed=seed)
+    return ball_plate.suggested_poses(cell, cell.arm(arm), plate, count, seed=seed)
 
 
 def simulate_plate(
@@ -289,23 +289,24 @@ def simulate_plate(
     T_world_scanner: pin.SE3 | None = None,
     seed: int = 0,
 ) -> Scan:
-    """What the scanner would see of an arm that holds a plate into its view.
+    """What the scanner would see of a plate that an arm holds, or to which it carries the scanner.
 
     Args:
         cell: whose robot and scanner.
         q: (n,) [rad] of the arm, in chain order.
-        plate: held beside the tool.
+        plate: held beside the tool; over the bin where the arm carries the scanner.
         arm: its name.
-        T_world_scanner: where the scanner truly hangs; where the cell says when not given.
+        T_world_scanner: where the scanner truly hangs, on an arm at its view; where the cell says
+            when not given.
         seed: of the scanner's noise.
     """
-    return held_plate.simulated_sight(
+    return ball_plate.simulated_sight(
         cell, cell.arm(arm), q, plate, seed=seed, T_world_scanner=T_world_scanner
     )
 
 
 def calibrate(cell: Cell, observations: Sequence[PlateObservation]) -> Calibration:
-    """Where the scanner hangs, by a plate that the robot has held into its view.
+    """Where the scanner hangs, by a plate that was held or that its arm has shown it.
 
     Args:
         cell: for the robot's kinematics; where it has the scanner does not matter.

@@ -56,12 +56,12 @@ class BallPlate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlateObservation:
-    """The plate, held by an arm, as one scan shows it.
+    """The plate as one scan shows it; the arm holds the plate, or carries the scanner.
 
-    `q` (n,) [rad], chain order; `balls` (3, 3) [m] their centres in the scanner's frame, in the
-    plate's order; `spread` [m] how far the points lie from the balls, RMS.  `points` (m, 3) [m] are
-    some of the scan, in the scanner's frame, to be checked.  `is_used` False: a person has left
-    it out.
+    `q` (n,) [rad] of that arm, chain order; `balls` (3, 3) [m] their centres in the scanner's
+    frame, in the plate's order; `spread` [m] how far the points lie from the balls, RMS.  `points`
+    (m, 3) [m] are some of the scan, in the scanner's frame, to be checked.  `is_used` False: a
+    person has left it out.
     """
 
     name: str
@@ -104,7 +104,8 @@ class CalibrationRecord:
 
     `at` in whole seconds since the epoch, `by` the person who took it over, the number of `poses`
     used, `rms` [m] of the balls; `position_error` [m], `angle_error` [rad] and
-    `covariance` (6, 6) are those of `Calibration`, None where nobody has kept them.
+    `covariance` (6, 6) are those of `Calibration`, None where nobody has kept them; that of a
+    scanner on an arm is along the axes of the flange (`derived.scanner_poses`).
     """
 
     at: float
@@ -126,7 +127,8 @@ class Calibration:
 
     `T_flange_plate` is how the plate was held.  `rms` [m] over the balls of the poses used.
     `covariance` (6, 6) [m, rad] is of shifts of the scanner's origin, then of turns about it, along
-    the world's axes, as `Detection` has it.
+    the world's axes, as `Detection` has it.  Of a scanner on an arm, all three are so while the arm
+    stands at the view; the plate stands.
     """
 
     T_world_scanner: pin.SE3
@@ -190,7 +192,7 @@ class NextPose:
     """A pose that the arm reaches and the scanner sees: `q` (n,) [rad], chain order.
 
     `error` [m] is the largest error at the bin's corners now, `error_with` what it would be with
-    this pose; `steps` say how the plate gets there from the pose `after`.
+    this pose; `steps` say how plate or scanner gets there from the pose `after`.
     """
 
     q: Floats

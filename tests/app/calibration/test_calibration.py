@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from workbench.app.calibration.ball_plate import simulated_sight, suggested_poses
 from workbench.app.calibration.calibration import (
     bin_corners,
     compute_calibration,
@@ -12,7 +13,6 @@ from workbench.app.calibration.calibration import (
     moved_by,
     with_calibration,
 )
-from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
 from workbench.app.core.cell.changes import ChangeCell, UndoCell
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.scanning import SightPlate, UseObservations

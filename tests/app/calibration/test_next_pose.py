@@ -6,11 +6,12 @@ import pytest
 from held_plates import CENTRES, CORNERS, X, Y, scene
 from shipped import shipped
 
+from workbench.app.calibration.ball_plate import simulated_sight, suggested_poses
 from workbench.app.calibration.calibration import compute_calibration
-from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
 from workbench.app.calibration.next_pose import SIDES, next_poses, steps_to
 from workbench.model.calibration import BallPlate
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.calibration import PoseText
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.calibration.next_pose import errors_with
 from workbench.perception.calibration.plate_poses import PlatePose
@@ -72,7 +73,7 @@ STEPS = [
 
 @pytest.mark.parametrize(("T", "said", "count"), STEPS)
 def test_the_way_is_told_by_the_walls_of_the_bin(T, said, count):
-    steps = steps_to(pose_from_rpy((0, 0, 0.05)), T)
+    steps = steps_to(pose_from_rpy((0, 0, 0.05)), T, PoseText.PLATE())
     assert len(steps) == count and said in ", ".join(map(str, steps))
 
 
@@ -85,7 +86,8 @@ def test_the_steps_one_after_the_other_lead_there(seed):
     axis = np.array([-np.sin(lean), np.cos(lean), 0.0])
     before = pin.SE3(pin.exp3(rng.normal(0, 1, 3)), np.zeros(3))
     turn = pin.exp3(tip * axis) @ pin.exp3(np.array([0.0, 0.0, yaw]))
-    steps = list(map(str, steps_to(before, pin.SE3(turn @ before.rotation, np.zeros(3)))))
+    after = pin.SE3(turn @ before.rotation, np.zeros(3))
+    steps = list(map(str, steps_to(before, after, PoseText.PLATE())))
     assert f"{abs(np.rad2deg(yaw)):.0f} deg" in steps[0]
     assert ("counter" in steps[0]) == (yaw > 0)
     assert f"{np.rad2deg(tip):.0f} deg" in steps[1]

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+from arm_scanner_cell import at_view, on_arm_cell, with_lower_view
 from line import Line
 
 from workbench.app.calibration.drift_words import drift_words
@@ -28,6 +29,8 @@ from workbench.app.records.sessions import cell_of, new_session
 from workbench.app.review.scanner_drift import of_session, recorded_drift, refined_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.model.calibration import CalibrationRecord
+from workbench.model.derived.by_view import with_view
+from workbench.model.derived.scanner_poses import calibration_covariance, with_scanner_at
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
@@ -115,6 +118,38 @@ def test_a_scanner_that_was_knocked_is_told_and_taken_over(cell, sessions):
     assert record.position_error > 5e-4
     # Days before that are of another pose: nothing is counted twice.
     assert told(sessions, after).scans == 0
+
+
+@pytest.mark.extensive
+def test_a_scanner_that_was_knocked_on_its_arm_is_told_from_its_view(tmp_path):
+    on_arm = on_arm_cell()
+    record = CalibrationRecord(DAY, "Ada", 8, 2e-4, 5e-4, np.deg2rad(0.05))
+    mount = replace(on_arm.scanner, resolution=(160, 120), calibration=record)
+    cell = replace(on_arm, scanner=mount)
+    middle = cell.bin.T_world_bin.translation
+    for day in range(10):
+        T = motion_of(DRIFT * (day >= 5), middle) * cell.scanner.T_world_scanner
+        scan = synthesize(with_scanner_at(cell, T), (), seed=day)
+        at = (day + 1.5) * DAY
+        session = Days(cell, tmp_path, at)
+        there = cell.scanner.T_world_scanner
+        session.scan(at, replace(scan, T_world_scanner=there, joints=at_view(cell)))
+        session.close()
+    found = told(tmp_path, cell)
+    assert found.scans == 10 and "table" in found.drift.drifted
+    after = refined_cell(cell, found.drift, 20 * DAY, "Grace")
+    truth = motion_of(DRIFT, middle) * cell.scanner.T_world_scanner
+    off = after.scanner.T_world_scanner.act(truth.actInv(middle)) - middle
+    assert np.abs(off).max() < 2e-4
+    moved = cell.scanner.on_arm.T_flange_scanner.actInv(after.scanner.on_arm.T_flange_scanner)
+    assert np.linalg.norm(moved.translation) > 5e-4
+    assert after.scanner.calibration.by == "Grace"
+    assert np.allclose(
+        np.linalg.eigvalsh(calibration_covariance(after.scanner)),
+        np.linalg.eigvalsh(after.scanner.calibration.covariance),
+    )
+    # From another view nothing is known yet.
+    assert told(tmp_path, with_view(with_lower_view(cell), "low")).scans == 0
 
 
 def test_what_was_before_the_calibration_does_not_count(cell, sessions):

@@ -69,6 +69,8 @@ def test_a_scanner_on_an_arm_is_saved_into_its_table(say, tmp_path):
     assert np.abs(carrier.T_flange_scanner.homogeneous - X.homogeneous).max() < 2e-3
     assert np.array_equal(carrier.view.q, before.view.q)
     assert "# In the flange's frame" in cell_file.read_text()
+    assert read_cell(cell_file).scanner.calibration.by == "Anna"
+    assert "what lies at the corners of" in " ".join(said.out.split())
 
 
 def test_a_scanner_on_an_arm_is_not_calibrated_as_one_that_stands(say, tmp_path):

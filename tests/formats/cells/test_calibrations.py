@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from arm_scanner_cell import on_arm_cell
 from shipped import shipped
 
 from workbench.formats.cells.calibrations import (
@@ -18,6 +19,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.gui.shared.movable_frames import SCANNER, move_frame
 from workbench.model.calibration import BallPlate, CalibrationRecord
+from workbench.model.derived.scanner_poses import with_scanner_at
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import pose_from_rpy
@@ -201,3 +203,40 @@ def test_the_covariance_stays_with_the_cell_and_one_that_is_none_is_refused(path
     path.write_text(text.replace(first, f"-{first}"))
     with pytest.raises(FileError, match=r"scanner.calibration.covariance: is none: along some"):
         read_cell(path)
+
+
+def test_a_plate_that_stands_is_of_the_arm_with_the_scanner_alone(tmp_path):
+    cell = on_arm_cell()
+    left = replace(cell.arm("left"), home=np.asarray(ARM.home))
+    (pose, *_) = scans(tmp_path)
+    write_scanned_poses(tmp_path, cell, left, BallPlate(), [pose])
+    text = (tmp_path / FILE).read_text()
+    assert "stands = true" in text and read_scanned_poses(tmp_path, cell).arm == "left"
+    with pytest.raises(FileError, match=r"plate.stands: the scanner of this cell stands"):
+        read_scanned_poses(tmp_path, SHIPPED)
+    (tmp_path / FILE).write_text(text.replace("stands = true", "stands = false"))
+    with pytest.raises(FileError, match=r"plate.stands: an arm carries the scanner"):
+        read_scanned_poses(tmp_path, cell)
+    (tmp_path / FILE).write_text(text.replace('arm = "left"', 'arm = "right"'))
+    with pytest.raises(FileError, match="arm: 'right' is not one of left"):
+        read_scanned_poses(tmp_path, cell)
+
+
+@pytest.mark.parametrize("robot", ["yumi", "tx2_90"])
+def test_a_calibrated_scanner_on_an_arm_is_written_and_its_views_stay(tmp_path, robot):
+    shutil.copytree(find("robots", robot), tmp_path / robot)
+    file = tmp_path / robot / "on_arm.toml"
+    cell = read_cell(file)
+    moved = with_scanner_at(cell, cell.scanner.T_world_scanner * pose_from_rpy((0.01, 0, 0.02)))
+    record = CalibrationRecord(1_000.0, "Ada", 8, 1e-4, 2e-4, 1e-3, np.diag([1e-8] * 6))
+    save_cell(file, replace(moved, scanner=replace(moved.scanner, calibration=record)))
+    again = read_cell(file)
+    there, want = again.scanner.on_arm, moved.scanner.on_arm
+    assert np.abs(there.T_flange_scanner.homogeneous - want.T_flange_scanner.homogeneous).max() < (
+        1e-6
+    )
+    assert again.scanner.calibration.by == "Ada"
+    assert np.allclose(again.scanner.calibration.covariance, record.covariance)
+    for one, other in zip(there.views, cell.scanner.on_arm.views, strict=True):
+        assert np.array_equal(one.q, other.q)
+    assert np.array_equal(again.arm(there.arm).home, cell.arm(there.arm).home)

@@ -5,7 +5,7 @@ import threading
 import numpy as np
 from waiting import PATIENCE
 
-import workbench.app.calibration.held_plate
+import workbench.app.calibration.ball_plate
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.gui.calibration.panel import SUGGEST, CalibrationPanel
 
@@ -23,7 +23,7 @@ def test_a_second_click_while_a_pose_is_looked_for_does_nothing(visitor, monkeyp
         assert len(calls) > 1 or may_end.wait(PATIENCE)
         return [np.asarray(arm.home)]
 
-    monkeypatch.setattr(workbench.app.calibration.held_plate, "suggested_poses", slow)
+    monkeypatch.setattr(workbench.app.calibration.ball_plate, "suggested_poses", slow)
     panel = CalibrationPanel(visitor)
     first = threading.Thread(target=panel._suggest_next)
     first.start()

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
+from workbench.app.calibration.ball_plate import simulated_sight, suggested_poses
 from workbench.model.calibration import BallPlate
 from workbench.model.errors import InputError
 from workbench.model.scan import Scan
 from workbench.perception.calibration.balls import find_balls, sight_plate
-from workbench.perception.simulation.held_plate import held_pose, is_plate_in_sight
+from workbench.perception.simulation.ball_plate import held_pose, is_plate_in_sight
 from workbench.planning.kinematics.robot import Kinematics
 
 PLATE = BallPlate()
@@ -94,11 +94,14 @@ def test_a_plate_outside_the_picture_or_behind_the_arm_is_not_in_sight(cell):
     arm = cell.arms[0]
     q = suggested_poses(cell, arm, PLATE, 1, seed=0)[0]
     links = Kinematics(cell).link_poses(dict(zip(arm.joints, map(float, q), strict=True)))
-    assert is_plate_in_sight(cell, links, arm.name, PLATE)
-    at_home = Kinematics(cell).link_poses({})
-    assert not is_plate_in_sight(cell, at_home, arm.name, PLATE)
+    T_scanner, T_tcp_plate = cell.scanner.T_world_scanner, held_pose(PLATE)
+    held = Kinematics(cell).tcp_pose(arm, q) * T_tcp_plate
+    assert is_plate_in_sight(cell, links, PLATE, held, T_scanner)
+    at_home, nowhere = Kinematics(cell).link_poses({}), np.zeros(len(arm.joints))
+    held = Kinematics(cell).tcp_pose(arm, nowhere) * T_tcp_plate
+    assert not is_plate_in_sight(cell, at_home, PLATE, held, T_scanner)
     # From three metres up, through a narrow opening, it is out of the picture.
     T = cell.scanner.T_world_scanner.copy()
     T.translation[2] = 3.0
-    far = replace(cell, scanner=replace(cell.scanner, T_world_scanner=T, field_of_view=0.05))
-    assert not is_plate_in_sight(far, at_home, arm.name, PLATE)
+    far = replace(cell, scanner=replace(cell.scanner, field_of_view=0.05))
+    assert not is_plate_in_sight(far, at_home, PLATE, held, T)

@@ -2,7 +2,16 @@
 
 import numpy as np
 import pytest
-from held_plates import CENTRES, by_opencv, off_at_corners, scene
+from held_plates import (
+    CENTRES,
+    H,
+    V,
+    by_opencv,
+    hand_eye_by_opencv,
+    off_at_corners,
+    scene,
+    wrist_scene,
+)
 
 from workbench.perception.calibration.calibrate import calibrate
 
@@ -37,3 +46,19 @@ def test_errors_at_the_corners_are_not_larger_than_those_of_opencv(shift, turn):
     assert ours < theirs
     if shift == turn == 0.0:
         assert ours < 0.5 * theirs, "what is weighed by nothing wastes exact balls"
+
+
+@pytest.mark.parametrize(
+    ("shift", "turn"),
+    [(0.0, 0.0), (3e-4, 0.0), (1e-4, np.deg2rad(0.1))],
+    ids=["balls", "shifts", "turns"],
+)
+def test_nor_are_those_of_a_scanner_on_an_arm(shift, turn):
+    ours, theirs = [], []
+    for seed in SEEDS[:25]:
+        poses = wrist_scene(seed, count=12, shift=shift, turn=turn)
+        found = calibrate(poses, CENTRES).T_world_scanner
+        ours.append(float(off_at_corners(found, V * H).max()))
+        by_horaud = hand_eye_by_opencv(poses, "HORAUD")
+        theirs.append(float(off_at_corners(by_horaud, V * H).max()))
+    assert np.sqrt(np.mean(np.square(ours))) < np.sqrt(np.mean(np.square(theirs)))

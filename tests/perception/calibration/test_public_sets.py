@@ -38,7 +38,8 @@ def read(path: Path) -> list[PlatePose]:
         T_base_flange, T_camera_target = (pin.XYZQUATToSE3(one) for one in np.split(values, 2))
         T = T_base_flange.inverse() if path.name.endswith("in_hand.csv") else T_base_flange
         balls = CENTRES @ T_camera_target.rotation.T + T_camera_target.translation
-        found.append(PlatePose(f"row {number}", T, balls))
+        at = np.zeros(3) if path.name.endswith("in_hand.csv") else None
+        found.append(PlatePose(f"row {number}", T, balls, at=at))
     return found[:: -(-len(found) // (2 * MOST))]
 
 

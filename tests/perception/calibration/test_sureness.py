@@ -3,10 +3,25 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from held_plates import CENTRES, CORNERS, NEAR, X, Y, off_at_corners, off_truth, scene
+from held_plates import (
+    CENTRES,
+    CORNERS,
+    NEAR,
+    STANDS,
+    H,
+    V,
+    X,
+    Y,
+    off_at_corners,
+    off_truth,
+    scene,
+    wrist_scene,
+)
 
+from workbench.perception.calibration import sureness
 from workbench.perception.calibration.calibrate import PlatePose, calibrate
 from workbench.perception.calibration.plate_poses import distances, moved, offsets, slopes
+from workbench.perception.calibration.pose_errors import LEVER, error_covariances, rigid_errors
 from workbench.perception.calibration.rigid import fitted_motion
 from workbench.perception.calibration.sureness import best_fit, point_errors, predicted_offsets
 
@@ -15,6 +30,7 @@ CHI_SQUARE = 16.81
 """99 % of six standard normals have a sum of squares up to this."""
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize(
     "noise",
     [
@@ -38,6 +54,39 @@ def test_the_truth_lies_within_the_covariance_and_corners_within_their_errors(no
     assert 0.92 <= np.mean(corners) <= 0.99
 
 
+def test_the_truth_of_a_scanner_on_an_arm_lies_within_the_covariance():
+    """Far from the plate the flange turns: that shifts the plate, too."""
+    truth, inside, corners = V * H, 0, []
+    for seed in range(60):
+        poses = wrist_scene(seed, shift=1e-4, turn=np.deg2rad(0.1))
+        fit = best_fit(poses, (truth, V.actInv(STANDS)), CENTRES)
+        T = fit.answer[0]
+        off = off_truth(T, truth)
+        inside += off @ np.linalg.solve(fit.covariance, off) < CHI_SQUARE
+        far = off_at_corners(T, truth)
+        corners.append(far < point_errors(fit.covariance, T.translation, CORNERS))
+    assert inside >= 55 and 0.88 <= np.mean(corners) <= 0.995
+
+
+def test_errors_are_told_apart_by_their_kind():
+    poses = wrist_scene(0, count=40, shift=3e-4, turn=np.deg2rad(0.1))
+    fit = best_fit(poses, (V * H, V.actInv(STANDS)), CENTRES)
+    shift, turn, seen_turned, ball = np.sqrt(fit.variances)
+    assert shift == pytest.approx(3e-4, rel=0.35)
+    assert turn / LEVER == pytest.approx(np.deg2rad(0.1), rel=0.35)
+    assert seen_turned / LEVER < np.deg2rad(0.05)
+    assert ball == pytest.approx(5e-5, rel=0.1)
+
+
+def test_turns_of_the_flange_are_left_out_where_many_poses_predict_each_other_better(monkeypatch):
+    few, many = (wrist_scene(0, count=count, turn=np.deg2rad(0.1)) for count in (8, 12))
+    start = (V * H, V.actInv(STANDS))
+    assert best_fit(many, start, CENTRES).variances[1] > 0.0
+    monkeypatch.setattr(sureness, "CLEARLY", 10.0)  # as if they did
+    assert best_fit(many, start, CENTRES).variances[1] == 0.0
+    assert best_fit(few, start, CENTRES).variances[1] > 0.0
+
+
 def test_slopes_are_those_of_small_motions():
     poses = scene(0)
     found = slopes(poses, (X, Y), CENTRES)
@@ -53,7 +102,7 @@ def test_each_pose_is_predicted_as_by_a_fit_without_it(count):
     fit = best_fit(poses, NEAR, CENTRES)
     for k, said in enumerate(predicted_offsets(poses, fit, CENTRES)):
         rest = [pose for number, pose in enumerate(poses) if number != k]
-        answer = refitted(rest, fit.answer, fit.ratio)
+        answer = refitted(rest, fit)
         distance = distances([poses[k]], answer, CENTRES)[0]
         R, _ = fitted_motion(CENTRES, poses[k].balls)
         turn = (poses[k].T_world_flange.rotation @ answer[1].rotation).T @ answer[0].rotation @ R
@@ -62,13 +111,15 @@ def test_each_pose_is_predicted_as_by_a_fit_without_it(count):
         assert said[1] == pytest.approx(np.linalg.norm(pin.log3(turn)), rel=0.03, abs=2e-6)
 
 
-def refitted(poses, answer, ratio):
-    """Least squares with turns weighed by `ratio`, by steps along numerical slopes."""
+def refitted(poses, fit):
+    """Least squares weighed by the variances of a fit, by steps along numerical slopes."""
+    answer = fit.answer
 
     def off(step):
-        found = offsets(poses, moved(answer, step), CENTRES)
-        middle = found.mean(axis=1, keepdims=True)
-        return (middle + ratio * (found - middle)).ravel()
+        _, seen, to_turns = rigid_errors(poses, moved(answer, step), CENTRES)
+        kinds = error_covariances(poses, fit.answer, CENTRES, to_turns)
+        roots = np.linalg.cholesky(np.einsum("c,cnij->nij", fit.variances, kinds))
+        return np.linalg.solve(roots, seen[..., None]).ravel()
 
     for _ in range(4):
         rows = np.array([(off(s) - off(-s)) / 2e-6 for s in np.eye(12) * 1e-6]).T

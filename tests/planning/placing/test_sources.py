@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+from arm_scanner_cell import on_arm_cell
 
 from workbench.formats.cells.reading import read_cell
 from workbench.model.calibration import CalibrationRecord
+from workbench.model.derived.scanner_poses import flange_at_view, turn_covariance
 from workbench.model.scan import Detection
 from workbench.planning.placing.sources import (
     CALIBRATION,
@@ -73,3 +75,17 @@ def test_a_pose_says_itself_how_sure_it_is_or_is_taken_as_usual():
     assert np.sqrt(np.diag(localization_error(lying()))) == pytest.approx(
         [LOCALIZATION[0]] * 3 + [LOCALIZATION[1]] * 3
     )
+
+
+def test_a_scanner_on_an_arm_is_as_sure_at_its_view_whatever_the_axes_of_the_record():
+    cell = on_arm_cell()
+    sure = np.diag(np.square([1e-4, 2e-4, 3e-4, 1e-3, 2e-3, 3e-3]))
+    record = CalibrationRecord(0.0, "Ada", 8, 1e-4, covariance=sure)
+    carried = replace(cell.scanner, calibration=record)
+    R = flange_at_view(cell.scanner).rotation
+    stands = replace(
+        carried, on_arm=None, calibration=replace(record, covariance=turn_covariance(sure, R))
+    )
+    told = calibration_error(carried, lying())
+    assert np.allclose(told, calibration_error(stands, lying()))
+    assert not np.allclose(told, calibration_error(replace(carried, on_arm=None), lying()))

@@ -1,13 +1,20 @@
-"""From scans of a held plate to the scanner's true pose in the cell."""
+"""From scans of a plate to the scanner's true pose in the cell.
+
+An arm holds the plate before a scanner that stands, or carries the scanner before a plate that
+stands.  The second is solved as the first: as if the scanner stood at its view, and a flange moved
+the plate.  With `F` = `T_world_flange` and `V` the same at the view, `F * T_flange_scanner * p =
+T_world_plate * c` becomes `(V * T_flange_scanner) * p = (V * F^-1 * V) * (V^-1 * T_world_plate) *
+c`.
+"""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import Calibration, PlateObservation
 from workbench.model.cell import Arm, Bin, Cell
+from workbench.model.derived.scanner_poses import flange_at_view, with_calibrated_scanner
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.messages.calibration import PlateText
@@ -23,10 +30,12 @@ def compute_calibration(cell: Cell, observations: Sequence[PlateObservation]) ->
     Raises:
         InputError: the observations do not belong together, are too few, too similar or at odds.
     """
-    check_stands(cell)
     if not observations:
         raise InputError(PlateText.NO_POSE())
-    first = observations[0]
+    first, carrier = observations[0], cell.scanner.on_arm
+    if carrier is not None and first.arm != carrier.arm:
+        wrong = PlateText.OTHER_CARRIER(pose=first.name, arm=first.arm, carrier=carrier.arm)
+        raise InputError(wrong)
     for observation in observations:
         sides = np.asarray(observation.plate.sides)
         if observation.arm != first.arm or not np.array_equal(sides, first.plate.sides):
@@ -46,28 +55,62 @@ def check_stands(cell: Cell) -> None:
 
 def poses_of(cell: Cell, observations: Sequence[PlateObservation]) -> list[PlatePose]:
     """The same with the flange where the robot's joints say it is; all of one arm."""
-    kinematics = Kinematics(cell)
+    kinematics, carrier = Kinematics(cell), cell.scanner.on_arm
     return [
         PlatePose(
             observation.name,
-            flange_pose(kinematics, cell.arm(observation.arm), observation.q),
+            plate_flange(cell, kinematics, cell.arm(observation.arm), observation.q),
             observation.balls,
             observation.is_used,
+            None if carrier is None else flange_at_view(cell.scanner).translation,
         )
         for observation in observations
     ]
 
 
-def flange_pose(kinematics: Kinematics, arm: Arm, q: Floats) -> pin.SE3:
-    """`T_world_flange` of an arm at `q` (n,) [rad]."""
-    return kinematics.tcp_pose(arm, q) * arm.tool.T_flange_tcp.inverse()
+def plate_flange(cell: Cell, kinematics: Kinematics, arm: Arm, q: Floats) -> pin.SE3:
+    """`T_world_flange` of the flange that moves the plate, while an arm stands at `q` (n,) [rad].
+
+    It is the arm's; where that carries the scanner, the one that would move the plate alike before
+    the scanner at its view.
+    """
+    T_world_flange = kinematics.tcp_pose(arm, q) * arm.tool.T_flange_tcp.inverse()
+    if cell.scanner.on_arm is None:
+        return T_world_flange
+    return plate_mover(T_world_flange, flange_at_view(cell.scanner))
+
+
+def plate_mover(T_world_flange: pin.SE3, T_world_view: pin.SE3) -> pin.SE3:
+    """The flange that moves the plate as one that carries the scanner moves before the plate.
+
+    Args:
+        T_world_flange: of the arm that carries the scanner.
+        T_world_view: the same at the view, where both are alike.
+    """
+    return T_world_view * T_world_flange.inverse() * T_world_view
+
+
+def plate_pose(
+    cell: Cell, kinematics: Kinematics, arm: Arm, q: Floats, T_flange_plate: pin.SE3
+) -> pin.SE3:
+    """`T_world_plate` while an arm stands at `q` (n,) [rad].
+
+    Args:
+        cell: with its scanner: where an arm carries that, the plate stands.
+        kinematics: of the cell.
+        arm: that moves the plate or the scanner.
+        q: see there.
+        T_flange_plate: of the arm at `q`, or at the view where it carries the scanner.
+    """
+    if cell.scanner.on_arm is not None:
+        return flange_at_view(cell.scanner) * T_flange_plate
+    return plate_flange(cell, kinematics, arm, q) * T_flange_plate
 
 
 def with_calibration(cell: Cell, calibration: Calibration, at: float, by: str) -> Cell:
     """The cell with its scanner where the calibration says; `at` [s since the epoch], `by` whom."""
     record = calibration.record(at, by)
-    mount = replace(cell.scanner, T_world_scanner=calibration.T_world_scanner, calibration=record)
-    return replace(cell, scanner=mount)
+    return with_calibrated_scanner(cell, calibration.T_world_scanner, record)
 
 
 def corner_errors(

@@ -4,38 +4,35 @@ from collections.abc import Sequence
 
 import pinocchio as pin
 
+from workbench.app.calibration.calibration import plate_mover
 from workbench.formats.poses.hand_eye import PosePair
 from workbench.model.calibration import BallPlate, Calibration
+from workbench.model.cell import Cell
+from workbench.model.derived.scanner_poses import flange_at_view
 from workbench.model.errors import InputError
 from workbench.perception.calibration.calibrate import MOST, calibrate
 from workbench.perception.calibration.plate_poses import PlatePose
 
 
-def calibrated_by_pairs(
-    pairs: Sequence[PosePair], T_world_base: pin.SE3, *, in_hand: bool
-) -> Calibration:
+def calibrated_by_pairs(pairs: Sequence[PosePair], cell: Cell, *, in_hand: bool) -> Calibration:
     """The scanner's pose that fits pairs of a flange pose and a target pose.
 
-    A target counts as three points of the size of the usual plate.  Where the robot holds the
-    scanner, base and flange change places: the flange is the world, and what moves is the base.
+    A target counts as three points of the size of the usual plate.
 
     Args:
         pairs: at least 4 different ones; of more than 60 every second, third, ... is used.
-        T_world_base: where the robot stands; not used where it holds the scanner.
-        in_hand: whether the robot holds the scanner.
-
-    Returns:
-        `T_world_scanner` is `T_flange_scanner` where the robot holds the scanner, and
-        `T_flange_plate` is `T_base_target` then.
+        cell: where the robot stands, and its view where it holds the scanner.
+        in_hand: whether the robot holds the scanner; where the cell has none on an arm, its view
+            counts as one with the flange at the robot's base.
 
     Raises:
         InputError: they are too few, too much alike, or do not agree.
     """
     try:
-        return _solve(pairs, T_world_base, in_hand=in_hand)
+        return _solve(pairs, cell, in_hand=in_hand)
     except InputError as error:
         try:
-            _solve(pairs, T_world_base, in_hand=not in_hand)
+            _solve(pairs, cell, in_hand=not in_hand)
         except InputError:
             raise error from None
         holds, hint = "holds", "state --in-hand"
@@ -44,14 +41,21 @@ def calibrated_by_pairs(
         raise InputError(f"the robot {holds} the scanner in these pairs: {hint}") from None
 
 
-def _solve(pairs: Sequence[PosePair], T_world_base: pin.SE3, *, in_hand: bool) -> Calibration:
-    centres = BallPlate().centres
-    poses = [
-        PlatePose(
-            pair.name,
-            pair.T_base_flange.inverse() if in_hand else T_world_base * pair.T_base_flange,
-            centres @ pair.T_camera_target.rotation.T + pair.T_camera_target.translation,
-        )
-        for pair in pairs[:: -(-len(pairs) // MOST)]
-    ]
+def hand_at_view(cell: Cell) -> pin.SE3:
+    """`T_world_flange` for which pairs of a scanner in the hand give the scanner's pose."""
+    return cell.T_world_robot if cell.scanner.on_arm is None else flange_at_view(cell.scanner)
+
+
+def _solve(pairs: Sequence[PosePair], cell: Cell, *, in_hand: bool) -> Calibration:
+    centres, T_world_view = BallPlate().centres, hand_at_view(cell)
+    poses: list[PlatePose] = []
+    for pair in pairs[:: -(-len(pairs) // MOST)]:
+        T = cell.T_world_robot * pair.T_base_flange
+        T_camera_target = pair.T_camera_target
+        balls = centres @ T_camera_target.rotation.T + T_camera_target.translation
+        if in_hand:
+            mover, at = plate_mover(T, T_world_view), T_world_view.translation
+        else:
+            mover, at = T, None
+        poses.append(PlatePose(pair.name, mover, balls, at=at))
     return calibrate(poses, centres)

@@ -1,15 +1,15 @@
-"""Which pose of the plate to take next, and how a person gets there from the last one."""
+"""Which pose of plate or scanner to take next, and how a person gets there from the last one."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.calibration.calibration import bin_corners, flange_pose, poses_of
-from workbench.app.calibration.held_plate import suggested_poses
+from workbench.app.calibration.ball_plate import suggested_poses
+from workbench.app.calibration.calibration import bin_corners, plate_flange, plate_pose, poses_of
 from workbench.model.calibration import Calibration, NextPose, PlateObservation
 from workbench.model.cell import Cell
+from workbench.model.derived.scanner_poses import scanner_pose, with_scanner_at
 from workbench.model.geometry import Floats
 from workbench.model.messages.calibration import PoseText
 from workbench.model.messages.message import Message
@@ -38,7 +38,7 @@ SIDES = (
 def next_poses(
     cell: Cell, observations: Sequence[PlateObservation], found: Calibration, *, seed: int
 ) -> tuple[NextPose, ...]:
-    """Poses of the plate that would tell more, those first that would tell most.
+    """Poses of plate or scanner that would tell more, those first that would tell most.
 
     Args:
         cell: robot, bin, scanner.
@@ -51,21 +51,21 @@ def next_poses(
     """
     last = observations[-1]
     arm, plate = cell.arm(last.arm), last.plate
-    mount = replace(cell.scanner, T_world_scanner=found.T_world_scanner)
+    calibrated = with_scanner_at(cell, found.T_world_scanner)
     qs = suggested_poses(
-        replace(cell, scanner=mount),
+        calibrated,
         arm,
         plate,
         TRIED,
         seed=seed,
-        T_tcp_plate=arm.tool.T_flange_tcp.inverse() * found.T_flange_plate,
+        T_flange_plate=found.T_flange_plate,
         aside=float(cell.bin.size[:2].min()) / 2,
     )
     if not qs:
         return ()
     kinematics = Kinematics(cell)
     left_out = {residual.name for residual in found.residuals if residual.left_out}
-    Ts = [flange_pose(kinematics, arm, q) for q in qs]
+    Ts = [plate_flange(cell, kinematics, arm, q) for q in qs]
     error, errors = errors_with(
         [pose for pose in poses_of(cell, observations) if pose.name not in left_out],
         (found.T_world_scanner, found.T_flange_plate),
@@ -73,17 +73,29 @@ def next_poses(
         Ts,
         np.array(list(bin_corners(cell.bin).values())),
     )
-    held = found.T_flange_plate * pin.SE3(np.eye(3), plate.centres.mean(axis=0))
-    to_bin = cell.bin.T_world_bin.inverse()
-    before = to_bin * flange_pose(kinematics, arm, last.q) * held
+    to_bin, middle = cell.bin.T_world_bin.inverse(), pin.SE3(np.eye(3), plate.centres.mean(axis=0))
+
+    def moved_pose(q: Floats) -> pin.SE3:
+        if cell.scanner.on_arm is not None:
+            return to_bin * scanner_pose(calibrated, q)
+        return to_bin * plate_pose(cell, kinematics, arm, q, found.T_flange_plate) * middle
+
+    thing = PoseText.PLATE() if cell.scanner.on_arm is None else PoseText.SCANNER()
+    before = moved_pose(last.q)
     return tuple(
-        NextPose(qs[k], error, float(errors[k]), last.name, steps_to(before, to_bin * Ts[k] * held))
+        NextPose(
+            qs[k],
+            error,
+            float(errors[k]),
+            last.name,
+            steps_to(before, moved_pose(qs[k]), thing),
+        )
         for k in np.argsort(errors, kind="stable")
     )
 
 
-def steps_to(T_bin_from: pin.SE3, T_bin_to: pin.SE3) -> tuple[Message, ...]:
-    """How the plate gets from one pose to another, for a person who looks at the bin.
+def steps_to(T_bin_from: pin.SE3, T_bin_to: pin.SE3, thing: Message) -> tuple[Message, ...]:
+    """How plate or scanner gets from one pose to another, for a person who looks at the bin.
 
     First a turn about the vertical, then a tip, then a shift, by the names of the bin's walls.
     """
@@ -95,9 +107,9 @@ def steps_to(T_bin_from: pin.SE3, T_bin_to: pin.SE3) -> tuple[Message, ...]:
     tip = pin.log3(rotation @ pin.exp3(np.array([0.0, 0.0, -yaw])))
     said: list[Message] = []
     if yaw >= LEAST[1]:
-        said.append(PoseText.TURN_LEFT(angle=float(yaw)))
+        said.append(PoseText.TURN_LEFT(thing=thing, angle=float(yaw)))
     elif yaw <= -LEAST[1]:
-        said.append(PoseText.TURN_RIGHT(angle=-float(yaw)))
+        said.append(PoseText.TURN_RIGHT(thing=thing, angle=-float(yaw)))
     angle = float(np.linalg.norm(tip))
     if angle >= LEAST[1]:
         # What is above the axis goes along it times the vertical.

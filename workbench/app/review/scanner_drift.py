@@ -17,6 +17,7 @@ from workbench.app.records.session_archive import open_journal
 from workbench.app.records.sessions import cell_of
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.cell import Cell
+from workbench.model.derived.scanner_poses import with_calibrated_scanner
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError, JournalError
 from workbench.model.geometry import Floats
@@ -52,7 +53,8 @@ def recorded_drift(folders: Sequence[Path], cell: Cell, report: Report) -> Recor
     """What sessions say of the scanner of a cell.
 
     Counted are scans since its calibration that were taken while bin, fixtures and scanner stood in
-    the cell where they stand in it now: what was moved there begins anew.
+    the cell where they stand in it now: what was moved there begins anew.  Of a scanner on an arm
+    those from the chosen view count, where the robot may have drifted as well.
 
     Args:
         folders: of the sessions.
@@ -112,7 +114,7 @@ def refined_cell(cell: Cell, drift: Drift, at: float, by: str) -> Cell:
         angle_error=_largest(covariance[3:, 3:]),
         covariance=covariance,
     )
-    return replace(cell, scanner=replace(cell.scanner, T_world_scanner=T, calibration=record))
+    return with_calibrated_scanner(cell, T, record)
 
 
 def _record(cell: Cell) -> CalibrationRecord:

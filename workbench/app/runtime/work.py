@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.calibration.held_plate import simulated_sight
+from workbench.app.calibration.ball_plate import simulated_sight
 from workbench.app.core.cycle.arm_scanner import view_problem
 from workbench.app.core.cycle.correcting import CORRECT
 from workbench.app.emptying.film import Filmed
@@ -91,7 +91,7 @@ def find_parts(
 def sight(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> PlateObservation:
-    """The reference plate, held by `arm` at `q`, in a scan of the cell's scanner."""
+    """The reference plate in a scan of the cell's scanner, with its `arm` at `q`."""
     arm, q, plate = cell.arm(arguments["arm"]), arguments["q"], arguments["plate"]
     report(0.1, ProgressText.SCANNER_LOOKS())
     if cell.scanner.source == "simulated":

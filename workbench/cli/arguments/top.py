@@ -116,11 +116,12 @@ class Localize:
 
 @dataclass(frozen=True, slots=True)
 class Calibrate:
-    """Find out where the scanner is, from scans of a three-ball plate that the robot holds.
+    """Find out where the scanner is, from scans of a three-ball plate.
 
-    The folder holds scans and calibration.toml, which says where the arm stood for each; see
-    docs/calibration.md. Pairs of poses of another program are read, too. Poses that do not agree
-    with the others are named and left out.
+    The robot holds the plate, or carries the scanner and the plate stands. The folder holds scans
+    and calibration.toml, which states where the arm stood for each; see docs/calibration.md. Pairs
+    of poses of another program are read, too. Poses that do not agree with the others are named and
+    left out.
     """
 
     cell: Positional[CellName]
@@ -128,7 +129,7 @@ class Calibrate:
     """Folder with the scans and calibration.toml; or pairs of a flange pose and a target pose:
     CSV, YAML of OpenCV, MoveIt or easy_handeye, or a folder of Zivid's."""
     in_hand: bool = False
-    """The robot holds the scanner, and the target stands. Only for pairs."""
+    """The robot holds the scanner, and the target stands. Only for pairs; scans go by the cell."""
     unit: Literal["m", "mm"] = "m"
     """Unit of lengths in a file of pairs."""
     format: Maybe[PoseFormatName] = None

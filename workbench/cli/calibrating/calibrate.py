@@ -1,4 +1,7 @@
-"""`workbench calibrate`: where the scanner hangs, from scans of a plate that the robot holds."""
+"""`workbench calibrate`: where the scanner hangs, from scans of a plate.
+
+The robot holds the plate, or carries the scanner.
+"""
 
 import time
 from dataclasses import replace
@@ -7,12 +10,9 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.calibration.calibration import (
-    check_stands,
-    compute_calibration,
-    with_calibration,
-)
-from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
+from workbench.app.calibration.ball_plate import simulated_sight, suggested_poses
+from workbench.app.calibration.calibration import compute_calibration, with_calibration
+from workbench.app.calibration.hand_eye import hand_at_view
 from workbench.app.calibration.next_pose import next_poses
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
@@ -22,6 +22,7 @@ from workbench.cli.calibrating.report import (
     between,
     format_numbers,
     in_cell_form,
+    in_flange,
     poses_form,
     print_in_cell,
     print_poses,
@@ -42,6 +43,7 @@ from workbench.formats.poses.hand_eye import write_scanner_pose
 from workbench.model.calibration import BallPlate, Calibration, NextPose, PlateObservation
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.controller_axes import shown_axes
+from workbench.model.derived.scanner_poses import with_scanner_at
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.calibration.balls import sight_plate
@@ -56,12 +58,12 @@ MOST = 30
 def calibrate(typed: arguments.Calibrate) -> int:
     """Find the plate in every scan, solve, compare with the cell, and save if asked to."""
     cell = read_cell(typed.cell)
-    if not typed.in_hand:
-        check_stands(cell)
     if typed.save and not typed.by.strip():
         raise InputError("--save needs --by NAME: who answers for the calibration")
     if is_pairs(typed.poses):
         return _by_pairs(typed, cell)
+    if typed.in_hand and cell.scanner.on_arm is None:
+        raise InputError(f"the scanner of cell {cell.name} stands: --in-hand is for pairs")
     if typed.simulate:
         check_whole("--count", typed.count, 4, MOST)
         check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
@@ -92,7 +94,7 @@ def calibrate(typed: arguments.Calibrate) -> int:
             ]
         print_json(form)
     else:
-        print_poses(calibration)
+        print_poses(calibration, in_flange(cell, calibration))
         print_in_cell(cell, calibration)
         if typed.next:
             _print_next(cell, cell.arm(found.arm), following)
@@ -108,9 +110,14 @@ def calibrate(typed: arguments.Calibrate) -> int:
 
 def _by_pairs(typed: arguments.Calibrate, cell: Cell) -> int:
     """The same by pairs of poses of another program."""
+    carrier = cell.scanner.on_arm
+    if carrier is not None and not typed.in_hand:
+        raise InputError(
+            f"the scanner of cell {cell.name} hangs on the {carrier.arm} arm: state --in-hand"
+        )
     if typed.simulate or typed.next:
         raise InputError(f"{typed.poses} holds pairs of poses: --simulate and --next need scans")
-    if typed.save and typed.in_hand and cell.scanner.on_arm is None:
+    if typed.save and typed.in_hand and carrier is None:
         raise InputError("--save with --in-hand needs [scanner.on_arm] in the cell file")
     calibration = calibrate_by_pairs(typed, cell)
     if typed.save:
@@ -121,11 +128,11 @@ def _by_pairs(typed: arguments.Calibrate, cell: Cell) -> int:
 
 
 def _write(typed: arguments.Calibrate, cell: Cell, calibration: Calibration) -> None:
-    T = calibration.T_world_scanner
-    if not typed.in_hand:
-        T = cell.T_world_robot.actInv(T)
+    in_hand = typed.in_hand or cell.scanner.on_arm is not None
+    T_world_base = hand_at_view(cell) if in_hand else cell.T_world_robot
+    T = T_world_base.actInv(calibration.T_world_scanner)
     assert typed.write is not None
-    write_scanner_pose(typed.write, T, typed.style, in_hand=typed.in_hand)
+    write_scanner_pose(typed.write, T, typed.style, in_hand=in_hand)
     if not typed.json:
         print(f"written to {typed.write}")
 
@@ -139,8 +146,9 @@ def _simulate(cell: Cell, typed: arguments.Calibrate) -> None:
     folder: Path = typed.poses
     if (folder / FILE).exists():
         raise InputError(f"{folder / FILE}: is there already; name another folder for --simulate")
-    arm, plate = cell.arms[0], BallPlate()
-    seen = replace(cell, scanner=replace(cell.scanner, T_world_scanner=_true_pose(cell)))
+    carrier, plate = cell.scanner.on_arm, BallPlate()
+    arm = cell.arms[0] if carrier is None else cell.arm(carrier.arm)
+    seen = with_scanner_at(cell, _true_pose(cell))
     with progress("calibrate") as report:
         make_ready(report, ("planning",))
     qs = suggested_poses(seen, arm, plate, typed.count, seed=typed.seed)
@@ -161,11 +169,7 @@ def _simulate(cell: Cell, typed: arguments.Calibrate) -> None:
 
 def _save(typed: arguments.Calibrate, cell: Cell, calibration: Calibration) -> None:
     at, path = time.time(), cell_path(typed.cell)
-    calibrated_cell = with_calibration(cell, calibration, at, typed.by)
-    if (carrier := cell.scanner.on_arm) is not None:
-        on_arm = replace(carrier, T_flange_scanner=calibration.T_world_scanner)
-        calibrated_cell = replace(cell, scanner=replace(cell.scanner, on_arm=on_arm))
-    save_cell(path, calibrated_cell)
+    save_cell(path, with_calibration(cell, calibration, at, typed.by))
     says = f"calibrated by {calibration.used} poses, {calibration.rms * 1000:.2f} mm"
     log_change(path, read_cell(path), typed.by, at, says)
     if not typed.json:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.app.calibration.hand_eye import calibrated_by_pairs
+from workbench.app.calibration.hand_eye import calibrated_by_pairs, hand_at_view
 from workbench.cli.arguments.top import Calibrate
 from workbench.cli.calibrating.report import (
     in_cell_form,
@@ -33,26 +33,29 @@ def calibrate_by_pairs(typed: Calibrate, cell: Cell) -> Calibration:
     """Read the pairs, solve, and print what was found."""
     written = None if typed.format is None else convention(typed.format)
     pairs = read_pairs(typed.poses, in_hand=typed.in_hand, unit=UNITS[typed.unit], written=written)
-    calibration = calibrated_by_pairs(pairs, cell.T_world_robot, in_hand=typed.in_hand)
+    calibration = calibrated_by_pairs(pairs, cell, in_hand=typed.in_hand)
     used = len(calibration.residuals)
+    is_of_cell = typed.in_hand == (cell.scanner.on_arm is not None)
+    T_world_hand, T_flange_scanner = hand_at_view(cell), None
+    if typed.in_hand:
+        T_flange_scanner = T_world_hand.actInv(calibration.T_world_scanner)
     if typed.json:
         form = poses_form(calibration)
-        held = "T_base_target" if typed.in_hand else "T_flange_target"
-        form |= {held: calibration.T_flange_plate.homogeneous.tolist()}
-        if typed.in_hand:
-            form |= {"T_flange_scanner": calibration.T_world_scanner.homogeneous.tolist()}
+        if T_flange_scanner is None:
+            form |= {"T_flange_target": calibration.T_flange_plate.homogeneous.tolist()}
         else:
-            form |= in_cell_form(cell, calibration)
+            T_base_target = cell.T_world_robot.actInv(T_world_hand * calibration.T_flange_plate)
+            form |= {"T_base_target": T_base_target.homogeneous.tolist()}
+            form |= {"T_flange_scanner": T_flange_scanner.homogeneous.tolist()}
+        form |= in_cell_form(cell, calibration) if is_of_cell else {}
         print_json(form | {"pairs": len(pairs)})
         return calibration
     if used < len(pairs):
         print(f"{used} of {len(pairs)} pairs, evenly spread, are used")
-    if typed.in_hand:
-        print("the robot holds the scanner: its pose below is that in the flange")
-    print_poses(calibration)
-    if typed.in_hand:
-        far = np.linalg.norm(calibration.T_world_scanner.translation) * 1000
+    print_poses(calibration, T_flange_scanner)
+    if T_flange_scanner is not None:
+        far = np.linalg.norm(T_flange_scanner.translation) * 1000
         print(f"the scanner is {far:.1f} mm from the flange")
-    else:
+    if is_of_cell:
         print_in_cell(cell, calibration)
     return calibration

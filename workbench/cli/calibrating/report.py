@@ -7,13 +7,21 @@ from workbench.app.calibration.calibration import corner_errors, moved_by
 from workbench.cli.terminal import print_table
 from workbench.model.calibration import Calibration
 from workbench.model.cell import Cell
+from workbench.model.derived.scanner_poses import flange_at_view
 from workbench.model.geometry import Floats, shift_and_turn
 
 ADVISED = 8
 
 
-def print_poses(calibration: Calibration) -> None:
-    """Print how well each pose fits, and where the scanner is."""
+def in_flange(cell: Cell, calibration: Calibration) -> pin.SE3 | None:
+    """`T_flange_scanner` of a scanner on an arm; None where it stands."""
+    if cell.scanner.on_arm is None:
+        return None
+    return flange_at_view(cell.scanner).actInv(calibration.T_world_scanner)
+
+
+def print_poses(calibration: Calibration, T_flange_scanner: pin.SE3 | None) -> None:
+    """Print how well each pose fits, and where the scanner is: in the flange or in the world."""
     rows = (
         (
             residual.name,
@@ -38,8 +46,10 @@ def print_poses(calibration: Calibration) -> None:
             f"the worst is {worst.name}, "
             f"{' mm, '.join(_format_prediction(worst.predicted))} degrees"
         )
-    T = calibration.T_world_scanner
+    T = calibration.T_world_scanner if T_flange_scanner is None else T_flange_scanner
     rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
+    if T_flange_scanner is not None:
+        print("the robot carries the scanner: its pose below is that in the flange")
     print(f"position_mm = {format_numbers(T.translation * 1000, 2)}")
     print(f"rpy_deg = {format_numbers(rpy, 3)}")
     print(
@@ -97,14 +107,18 @@ def in_cell_form(cell: Cell, calibration: Calibration) -> dict[str, object]:
     """What `--json` gives of the scanner in the cell."""
     distance, angle, shift = moved_by(cell, calibration)
     errors = corner_errors(cell, calibration.covariance, calibration.T_world_scanner)
-    return {
-        "T_world_scanner": calibration.T_world_scanner.homogeneous.tolist(),
+    T_flange_scanner = in_flange(cell, calibration)
+    form: dict[str, object] = {
+        "T_world_scanner": _rows(calibration.T_world_scanner),
         "corners_mm": {name: round(error * 1000, 4) for name, error in errors.items()},
         "largest_corner_mm": round(max(errors.values()) * 1000, 4),
         "moved_mm": round(distance * 1000, 4),
         "moved_deg": round(float(np.rad2deg(angle)), 5),
         "moved_in_bin_mm": round(shift * 1000, 4),
     }
+    if T_flange_scanner is not None:
+        form["T_flange_scanner"] = _rows(T_flange_scanner)
+    return form
 
 
 def _format_prediction(off: tuple[float, float] | None) -> tuple[str, str]:
@@ -112,6 +126,10 @@ def _format_prediction(off: tuple[float, float] | None) -> tuple[str, str]:
     if off is None:
         return "open", "open"
     return f"{off[0] * 1000:.2f}", f"{np.rad2deg(off[1]):.2f}"
+
+
+def _rows(T: pin.SE3) -> list[list[float]]:
+    return T.homogeneous.tolist()
 
 
 def _round(off: tuple[float, float] | None, which: int) -> float | None:

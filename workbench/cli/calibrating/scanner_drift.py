@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.calibration.calibration import check_stands
 from workbench.app.calibration.drift_words import at_corners, drift_words
 from workbench.app.review.scanner_drift import RecordedDrift, recorded_drift, refined_cell
 from workbench.cli.arguments import scanner as arguments
@@ -30,7 +29,6 @@ AXES = ("x mm", "y mm", "z mm", "about x deg", "about y deg", "about z deg")
 def drift(typed: arguments.ScannerDrift) -> int:
     """Look through the sessions, say what they show, and save what is proposed if asked to."""
     cell = read_cell(typed.cell)
-    check_stands(cell)
     if typed.save and not typed.by.strip():
         raise InputError("--save needs --by NAME: who answers for the scanner's pose")
     folders = typed.sessions or sessions_below(Path("sessions"))

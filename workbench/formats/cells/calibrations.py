@@ -119,20 +119,22 @@ def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:
 
     Args:
         folder: holds `calibration.toml`: `format`, `arm`, `unit` of the scans, that of the cell's
-            scanner when left out, a table `[plate]` with `ball_mm` (diameter) and `sides_mm` (first
-            ball to second, second to third, third to first), and for each pose a table `[[pose]]`
-            with `scan`, a file beside it, and `joints_deg`, as the controller counts and shows
-            them.
-        cell: whose arm it is.
+            scanner when left out, a table `[plate]` with `ball_mm` (diameter), `sides_mm` (first
+            ball to second, second to third, third to first) and `stands`, whether no arm holds it,
+            and for each pose a table `[[pose]]` with `scan`, a file beside it, and `joints_deg`, as
+            the controller counts and shows them.
+        cell: whose arm it is: it holds the plate, or carries the scanner.
 
     Raises:
         FileError: names file, key, value and what was expected.
     """
     table = read_toml(folder / FILE)
     table.text("format", among=(POSES_FORMAT,))
-    arm = cell.arm(table.text("arm", among=tuple(arm.name for arm in cell.arms)))
+    carrier = cell.scanner.on_arm
+    arms = tuple(arm.name for arm in cell.arms) if carrier is None else (carrier.arm,)
+    arm = cell.arm(table.text("arm", among=arms))
     unit = table.text("unit", cell.scanner.unit, among=tuple(UNITS))
-    plate = _plate(table.table("plate"))
+    plate = _plate(table.table("plate"), stands=carrier is not None)
     poses = tuple(_pose(pose, cell, arm) for pose in table.tables("pose"))
     if not 1 <= len(poses) <= MOST_POSES:
         raise table.error("pose", f"1 to {MOST_POSES} poses are expected, {len(poses)} are given")
@@ -140,7 +142,15 @@ def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:
     return ScannedPoses(arm.name, plate, unit, poses)
 
 
-def _plate(table: Table) -> BallPlate:
+def _plate(table: Table, *, stands: bool) -> BallPlate:
+    if table.flag("stands", False) != stands:
+        problem = (
+            "an arm carries the scanner of this cell; stands = true is expected, and scans of a "
+            "plate that no arm holds"
+            if stands
+            else "the scanner of this cell stands; scans of a plate that an arm holds are expected"
+        )
+        raise table.error("stands", problem)
     radius = table.number("ball_mm", low=4, high=400) / 2000
     sides = table.numbers("sides_mm", 3, low=4, high=2000) / 1000
     table.finish()
@@ -184,6 +194,8 @@ def write_scanned_poses(
         f"ball_mm = {plate.radius * 2000:.10g}",
         f"sides_mm = {sides}   # 1 to 2, 2 to 3, 3 to 1: centres",
     ]
+    if cell.scanner.on_arm is not None:
+        lines.append("stands = true             # no arm holds it")
     for pose in poses:
         shown = numbers(shown_axes(cell, arm, pose.q), 4)
         lines += ["", "[[pose]]", f"scan = {text(pose.scan.name)}", f"joints_deg = {shown}"]

@@ -74,8 +74,6 @@ def _check_on_arm(table: Table, mount: ScannerMount) -> None:
         raise table.error("source", "a merged scanner stands; it cannot hang on an arm")
     if mount.while_moving:
         raise table.error("while_moving", "a scanner on an arm waits until its arm stands still")
-    if mount.calibration is not None:
-        raise table.error("calibration", "that is of a scanner which stands, not of one on an arm")
 
 
 def _address(table: Table) -> str:

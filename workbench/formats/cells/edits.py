@@ -24,6 +24,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.files import FileProblem
 from workbench.model.part import Bin, PartPlace
 from workbench.model.recipes.recipe import names_of
+from workbench.model.robot import ArmScanner
 
 UNWRITABLE = FileProblem.UNWRITABLE()
 
@@ -193,6 +194,8 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
     else:
         T, U = carrier.T_flange_scanner, other_carrier.T_flange_scanner
         edit_pose(document["scanner"]["on_arm"], T, U)
+        if not np.array_equal(T.homogeneous, U.homogeneous):
+            _keep_postures(document["scanner"]["on_arm"], new.arm(other_carrier.arm), other_carrier)
     for key in ("unit", "cloud_axes"):
         if getattr(old.scanner, key) != getattr(new.scanner, key):
             document["scanner"][key] = getattr(new.scanner, key)
@@ -213,6 +216,15 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
         if not np.array_equal(arm.home, other.home):
             table["home_deg"] = shorts(np.rad2deg(other.to_axes(other.home)))
         _edit_places(table, arm, other)
+
+
+def _keep_postures(table: Any, arm: Arm, carrier: ArmScanner) -> None:
+    """State views by joints, where the scanner's pose states them and would now move the arm."""
+    views = table["view"] if isinstance(table["view"], list) else [table["view"]]
+    for view, posture in zip(views, carrier.views, strict=True):
+        if view.pop("position_mm", None) is not None or "rpy_deg" in view:
+            view.pop("rpy_deg", None)
+            view["joints_deg"] = shorts(np.rad2deg(arm.to_axes(posture.q)))
 
 
 def _edit_places(table: Any, old: Arm, new: Arm) -> None:

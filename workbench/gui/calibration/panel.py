@@ -26,7 +26,7 @@ from workbench.gui.shared.views import line, not_saved
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.calibration import CalibrationText
 from workbench.model.calibration import BallPlate, Calibration, PlateObservation
-from workbench.model.cell import Arm
+from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.messages.commands import EditText
@@ -72,9 +72,11 @@ class CalibrationPanel:
             visitor.name(self._sides, ("1 to 2", "2 to 3", "3 to 1"))
         with group(gui, "2 · Poses"):
             self._where = gui.add_html("")
-            names = tuple(arm.name for arm in cell.arms)
             self._arm = gui.add_dropdown(
-                "Arm", names, visible=len(names) > 1, hint="Which arm holds the plate."
+                "Arm",
+                tuple(arm.name for arm in cell.arms),
+                visible=len(cell.arms) > 1 and cell.scanner.on_arm is None,
+                hint="Which arm holds the plate.",
             )
             gui.add_html('<div class="wb-buttons wb-two"></div>')
             self._suggest = gui.add_button(
@@ -112,8 +114,8 @@ class CalibrationPanel:
         """Bring what is shown from `old` to `new`."""
         state, chosen = new.state, new.own.observation
         self._drift.show(new)
-        is_carried = state.cell.scanner.on_arm is not None
-        self._where.content = line(self._says_where(new), kind="result" if is_carried else "hint")
+        carrier = state.cell.scanner.on_arm
+        self._where.content = self._says_where(new)
         if self._after.value != new.own.is_calibrated:
             self._after.value = new.own.is_calibrated
         is_same = (
@@ -131,12 +133,11 @@ class CalibrationPanel:
         self._record.content = record_line(state.cell, new.at, words)
         self._table.content = poses_html(observations, found, chosen, self._rows, words)
         self._answer.content = answer_html(state.cell, found, len(observations), words)
-        self._overlay.content = overlay_line(new.overlay, words) if observations else ""
+        is_carried = carrier is not None
+        over = overlay_line(new.overlay, is_carried=is_carried, words=words)
+        self._overlay.content = over if observations else ""
         admit = self._visitor.admit
-        carrier = state.cell.scanner.on_arm
-        hangs = "" if carrier is None else words.render(CalibrationText.HANGS(arm=carrier.arm))
-        self._visitor.allow(self._suggest, hangs)
-        admit(self._take, state, SightPlate, otherwise=hangs)
+        admit(self._take, state, SightPlate)
         for button in (self._leave, self._remove):
             admit(button, state, UseObservations, otherwise=CHOOSE if chosen is None else "")
         if chosen is not None and chosen < len(observations):
@@ -147,9 +148,12 @@ class CalibrationPanel:
         admit(self._save, state, SaveCell, otherwise=not_saved(state))
 
     def _says_where(self, view: View) -> str:
-        carrier = view.state.cell.scanner.on_arm
-        if carrier is not None:
-            return self._visitor.words.render(CalibrationText.IN_HAND(arm=carrier.arm))
+        carrier, where = view.state.cell.scanner.on_arm, line(self._scan_place(view), kind="hint")
+        if carrier is None:
+            return where
+        return line(self._visitor.words.render(CalibrationText.CARRIED(arm=carrier.arm))) + where
+
+    def _scan_place(self, view: View) -> str:
         if view.state.cell.scanner.source != "simulated":
             if not view.live.joints:
                 return "The controller reports no joint values, so no pose can be scanned here."
@@ -180,7 +184,7 @@ class CalibrationPanel:
 
     def _wanted_scan(self) -> Command:
         state, own = self._visitor.bench.state, self._visitor.own.now
-        arm = state.cell.arm(self._arm.value)
+        arm = self._moved_arm(state.cell)
         joints = self._visitor.bench.live.joints
         is_real = state.cell.scanner.source != "simulated"
         if own.jog is not None and not is_real:
@@ -194,6 +198,11 @@ class CalibrationPanel:
         self._visitor.own.change(observation=None)
         return SightPlate(arm.name, q, self._plate(), seed=state.number)
 
+    def _moved_arm(self, cell: Cell) -> Arm:
+        """The arm that carries the scanner, or the one that was chosen to hold the plate."""
+        carrier = cell.scanner.on_arm
+        return cell.arm(self._arm.value if carrier is None else carrier.arm)
+
     def _suggest_next(self) -> None:
         """Jog to the next of the suggested poses; they are worked out when poses have changed.
 
@@ -204,12 +213,14 @@ class CalibrationPanel:
             return
         self._suggest.disabled, self._suggest.label = True, "Looking …"
         try:
-            cell, arm = visitor.cell, visitor.cell.arm(self._arm.value)
+            cell, arm = visitor.cell, self._moved_arm(visitor.cell)
             state = visitor.bench.state
             observations, found = state.observations, solve(state)
             is_solved = isinstance(found, Calibration) and observations[-1].arm == arm.name
             known, left = self._suggested
             key = (cell.digest, arm.name, self._ball.value, self._sides.value)
+            if cell.scanner.on_arm is not None:
+                key = (*key, bool(observations))
             if is_solved:
                 key = (
                     *key,
@@ -234,16 +245,18 @@ class CalibrationPanel:
     def _worked_out(self, arm: Arm, found: Calibration | str) -> list[tuple[Floats, str]]:
         """Poses to suggest and the way to each; the best first where there is an answer."""
         # Open3D takes a second to load: the page does not wait for it.
-        from workbench.app.calibration import held_plate
+        from workbench.app.calibration import ball_plate
         from workbench.app.calibration.next_pose import next_poses
 
-        cell = self._visitor.cell
+        cell, observations = self._visitor.cell, self._visitor.bench.state.observations
         if isinstance(found, str):
-            qs = held_plate.suggested_poses(cell, arm, self._plate(), SUGGESTED, seed=0)
+            qs = ball_plate.first_poses(
+                cell, arm, self._plate(), SUGGESTED, seed=0, observations=observations
+            )
             return [(q, "") for q in qs]
-        observations = self._visitor.bench.state.observations
         best = next_poses(cell, observations, found, seed=len(observations))
-        return [(pose.q, next_html(pose, self._visitor.words)) for pose in best]
+        is_carried, words = cell.scanner.on_arm is not None, self._visitor.words
+        return [(pose.q, next_html(pose, is_carried=is_carried, words=words)) for pose in best]
 
     @property
     def _chosen(self) -> tuple[int, tuple[PlateObservation, ...]]:

@@ -180,8 +180,8 @@ HELP: Mapping[str, tuple[str, str]] = {
         EMPTYING,
     ),
     "1 · Plate": (
-        "The calibration looks for a plate of three balls that an arm holds. Its sizes stand "
-        "here, as they were measured. Wrong sizes make a wrong calibration.",
+        "The calibration looks for a plate of three balls. An arm holds it, or it stands and the "
+        "arm carries the scanner. Wrong sizes make a wrong calibration.",
         CALIBRATION,
     ),
     "2 · Poses": (

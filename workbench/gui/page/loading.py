@@ -16,7 +16,7 @@ log = logging.getLogger(__name__)
 
 LATER = (
     "workbench.perception.scene.unexplained",
-    "workbench.app.calibration.held_plate",
+    "workbench.app.calibration.ball_plate",
     "workbench.app.calibration.next_pose",
     "workbench.app.review.scanner_drift",
 )

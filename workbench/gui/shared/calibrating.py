@@ -9,15 +9,16 @@ from workbench.app.calibration.calibration import compute_calibration
 from workbench.app.core.state import State
 from workbench.gui.shared.colours import BAD, BESIDE_BIN, BUSY, GOOD, rgb_of
 from workbench.model.calibration import Calibration, PlateObservation
+from workbench.model.derived.scanner_poses import scanner_pose, with_scanner_at
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.kinematics.robot import Kinematics
 
 NEAR = 0.025
-"""[m] Points further from the robot than this belong to something else, and are grey."""
+"""[m] Points further from everything known than this belong to something else, and are grey."""
 
 CLOSE, OFF = 0.002, 0.005
-"""[m] Up to here a point near the robot is green, and amber; beyond it is red."""
+"""[m] Up to here a point near something known is green, and amber; beyond it is red."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,7 +26,8 @@ class Overlay:
     """A pose of a calibration in the world: the arm at `q` (n,), what was scanned, the balls.
 
     `points` (m, 3) and `balls` (3, 3) [m] are where the scanner's pose puts them, `colours` (m, 3)
-    tell how far the points are from the robot; `middle` [m] is the middle distance of those near.
+    tell how far the points are from what is known; `middle` [m] is the middle distance of those
+    near.
     """
 
     arm: str
@@ -52,15 +54,20 @@ def overlay(state: State, observation: PlateObservation, found: Calibration | No
         state: whose cell it is.
         observation: the pose.
         found: has the scanner's pose; None: as the cell has it.
+
+    Returns:
+        Of a scanner on an arm the points are compared with bin and fixtures, too.
     """
     # Open3D takes a second to load: the page does not wait for it.
-    from workbench.perception.calibration.robot_overlay import distances_to_robot
+    from workbench.perception.calibration.robot_overlay import distances_to_cell
 
     cell = state.cell
-    T = cell.scanner.T_world_scanner if found is None else found.T_world_scanner
+    T = scanner_pose(
+        cell if found is None else with_scanner_at(cell, found.T_world_scanner), observation.q
+    )
     points = observation.points @ T.rotation.T + T.translation
     links = Kinematics(cell).link_poses(cell.joint_values({observation.arm: observation.q}))
-    away = distances_to_robot(cell, links, points)
+    away = distances_to_cell(cell, links, points)
     colours = np.full((len(points), 3), BESIDE_BIN, dtype=np.uint8)
     near = away < NEAR
     colours[near] = rgb_of(BAD)

@@ -21,6 +21,7 @@ from workbench.model.calibration import (
     PoseResidual,
 )
 from workbench.model.cell import Cell
+from workbench.model.derived.scanner_poses import calibration_covariance
 from workbench.model.messages.message import Message, as_message
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -59,8 +60,9 @@ def record_line(cell: Cell, now: float, words: Words = IN_ENGLISH) -> str:
         return line("Not calibrated: the pose was entered by hand.", kind="hint")
     at = day_and_time(record.at)
     texts = [CalibrationText.RECORD(at=at, person=record.by, count=record.poses, rms=record.rms)]
-    if record.covariance is not None:
-        largest = max(corner_errors(cell, record.covariance).values())
+    covariance = calibration_covariance(cell.scanner)
+    if covariance is not None:
+        largest = max(corner_errors(cell, covariance).values())
         texts.append(CalibrationText.RECORD_CORNERS(error=largest))
     warning = calibration_warning(cell, now)
     if warning is not None:
@@ -195,10 +197,11 @@ def corners_html(cell: Cell, found: Calibration, words: Words = IN_ENGLISH) -> s
     )
 
 
-def next_html(pose: NextPose, words: Words = IN_ENGLISH) -> str:
-    """How the plate gets to a suggested pose, and what that would bring."""
+def next_html(pose: NextPose, *, is_carried: bool, words: Words = IN_ENGLISH) -> str:
+    """How the plate, or the scanner that is carried, gets to a pose, and what that would bring."""
+    begins = CalibrationText.SCANNER_FROM if is_carried else CalibrationText.NEXT_FROM
     texts = (
-        CalibrationText.NEXT_FROM(pose=pose.after),
+        begins(pose=pose.after),
         *(
             CalibrationText.NEXT_STEP(number=number, step=as_message(step))
             for number, step in enumerate(pose.steps, 1)
@@ -208,11 +211,14 @@ def next_html(pose: NextPose, words: Words = IN_ENGLISH) -> str:
     return "".join(line(words.render(text)) for text in texts)
 
 
-def overlay_line(shown: Overlay | None, words: Words = IN_ENGLISH) -> str:
-    """What the colours over the robot mean, and how well it lies there."""
+def overlay_line(shown: Overlay | None, *, is_carried: bool, words: Words = IN_ENGLISH) -> str:
+    """What the colours over robot or whole cell mean, and how well the scan lies there."""
     if shown is None:
-        return line("Choose a pose to see its scan over the robot.", kind="hint")
+        over_cell = "Choose a pose to see its scan over the cell."
+        over_robot = "Choose a pose to see its scan over the robot."
+        return line(over_cell if is_carried else over_robot, kind="hint")
     middle = CalibrationText.OVERLAY_NONE()
     if shown.middle is not None:
         middle = CalibrationText.OVERLAY_MIDDLE(distance=shown.middle)
-    return line(words.render(CalibrationText.OVERLAY(middle=middle, close=CLOSE, off=OFF)))
+    over = CalibrationText.OVERLAY_CELL if is_carried else CalibrationText.OVERLAY
+    return line(words.render(over(middle=middle, close=CLOSE, off=OFF)))

@@ -7,10 +7,9 @@ class CalibrationText(Text, subject="page-calibration"):
     """Calibration of the scanner: its record, poses of the plate, the answer, drift."""
 
     OLD = "Calibrated {days} {days:day|days} ago; limit: {limit} days."
-    HANGS = "the plate calibrates scanners that stand; this one hangs on the {arm} arm"
-    IN_HAND = (
-        "The scanner hangs on the {arm} arm. Calibrate it by pairs of poses from another program: "
-        "workbench calibrate, with --in-hand and --save."
+    CARRIED = (
+        "The {arm} arm carries the scanner. Fix the plate where the scanner sees it from its view; "
+        "it must not move between scans."
     )
     NEVER = "The scanner was never calibrated."
     RECORD = "Calibrated {at} by {person}: {count} {count:pose|poses}, {rms:mm2} RMS."
@@ -29,9 +28,14 @@ class CalibrationText(Text, subject="page-calibration"):
         "Errors of robot and search add to it."
     )
     NEXT_FROM = "From {pose} on, with the plate held as it is:"
+    SCANNER_FROM = "From {pose} on, move the scanner:"
     NEXT_STEP = "{number}. {step}"
     NEXT_GAIN = "Error at the worst corner of the bin: {after:mm2} instead of {before:mm2}."
     OVERLAY = "Points near the robot: {middle}; green to {close:mm0}, amber to {off:mm0}, then red."
+    OVERLAY_CELL = (
+        "Points near bin, fixtures and robot: {middle}; green to {close:mm0}, amber to {off:mm0}, "
+        "then red."
+    )
     OVERLAY_NONE = "none"
     OVERLAY_MIDDLE = "median distance {distance:mm}"
     NO_POSE = "The {arm} arm reaches no pose in which the scanner sees the plate."

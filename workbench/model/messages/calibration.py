@@ -35,7 +35,7 @@ class PlateText(Text, subject="plate"):
     NO_CONSENSUS = (
         "the poses are in conflict: at best half of them fit within {far:mm}. Are the joint values "
         "those of the scans, in the controller's order, and the distances of the balls those of "
-        "the plate? Did the plate stay fixed in the gripper?"
+        "the plate? Did the plate stay fixed?"
     )
     TOO_UNCERTAIN = (
         "these poses give the scanner's position only to {far:mm} (worst along ({axis}) in the "
@@ -45,13 +45,19 @@ class PlateText(Text, subject="plate"):
     LEFT_OUT = "left out by a person"
     CONFLICT = "in conflict: {far:mm} and {turn:deg1} off, the others {rms:mm2}"
     OTHER_PLATE = "{pose} is of another plate or arm than {first}; remove one of them"
+    OTHER_CARRIER = (
+        "{pose} has the joints of the {arm} arm, but the {carrier} arm carries the scanner; "
+        "remove it"
+    )
 
 
 class PoseText(Text, subject="pose-step"):
-    """How a person brings the plate from one pose to the next."""
+    """How a person brings the plate, or the scanner on an arm, from one pose to the next."""
 
-    TURN_LEFT = "turn the plate by {angle:deg0} counterclockwise, seen from above"
-    TURN_RIGHT = "turn the plate by {angle:deg0} clockwise, seen from above"
+    PLATE = "the plate"
+    SCANNER = "the scanner"
+    TURN_LEFT = "turn {thing} by {angle:deg0} counterclockwise, seen from above"
+    TURN_RIGHT = "turn {thing} by {angle:deg0} clockwise, seen from above"
     TIP = "tip its upper side by {angle:deg0} towards {side}"
     MOVE = "move it by {far:mm0} towards {side}"
     RAISE = "raise it by {far:mm0}"

@@ -125,6 +125,12 @@ class Refusal(Text, subject="refusal"):
         "the robot has moved since the scan: axis {axis} of the {arm} arm stands {off:deg} from "
         "there, so that a point of the arm may be {away:mm} away; scan again"
     )
+    OTHER_CARRIER = "the {carrier} arm carries the scanner, not the {arm} arm"
+    PLATE_SCAN_MOVED = (
+        "the {arm} arm does not stand still where the plate is scanned: axis {axis} stands "
+        "{off:deg} from there, so that a point of the arm may be {away:mm} away; scan the plate "
+        "again"
+    )
     SCANS_AFTER_THE_END = (
         "the {arm} arm carries the scanner and still works; go on when the plan has ended"
     )

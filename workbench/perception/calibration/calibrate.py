@@ -3,8 +3,8 @@
 Whatever the arm does, `T_world_scanner * p_scanner = T_world_flange * T_flange_plate * p_plate` for
 each ball.  Unknown are the scanner's pose and how the plate is held.  A linear answer for three
 poses at a time (rotations by Kronecker products as Li, Wang and Wu 2010, then translations) finds
-those that agree; least squares over the distances of the balls; weighed by how exact shifts
-and turns of the plate turn out to be (`sureness`), gives the answer.
+those that agree; least squares over the distances of the balls; weighed by how exact robot and
+balls turn out to be (`sureness`), gives the answer.
 """
 
 from collections.abc import Mapping, Sequence

@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from workbench.model.geometry import Floats
 from workbench.perception.calibration.plate_poses import Answer, PlatePose
-from workbench.perception.calibration.sureness import best_fit, point_errors, rigid_slopes
+from workbench.perception.calibration.sureness import best_fit, point_errors, weighed_slopes
 
 
 def errors_with(
@@ -19,10 +19,10 @@ def errors_with(
 ) -> tuple[float, Floats]:
     """The largest of the errors of points as it is, and as it were with each pose of the flange.
 
-    The deviations of shifts and turns are taken as those of the poses so far.
+    The errors of shifts and turns are taken as those of the poses so far.
 
     Args:
-        poses: that are used.
+        poses: that are used, of one arm.
         answer: their calibration's.
         centres: (3, 3) [m] of the balls in the plate's frame.
         Ts_world_flange: one more pose each, n of them.
@@ -38,7 +38,7 @@ def errors_with(
     for T in Ts_world_flange:
         T_scanner_plate = X.actInv(T * Y)
         balls = centres @ T_scanner_plate.rotation.T + T_scanner_plate.translation
-        rows = rigid_slopes(PlatePose("", T, balls), fit.answer, centres)
+        rows = weighed_slopes(PlatePose("", T, balls, at=poses[0].at), fit, centres)
         found.append(float(point_errors(fit.covariance_with(rows), origin, points).max()))
     now = float(point_errors(fit.covariance, origin, points).max())
     return now, np.array(found)

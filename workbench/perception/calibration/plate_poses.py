@@ -14,12 +14,21 @@ Answer = tuple[pin.SE3, pin.SE3]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlatePose:
-    """One pose: where the flange was, and the balls (3, 3) [m] in the scanner's frame."""
+    """One pose: where the flange was, and the balls (3, 3) [m] in the scanner's frame.
+
+    `at` (3,) [m] is the robot's flange in the world where another one counts as moving the plate.
+    """
 
     name: str
     T_world_flange: pin.SE3
     balls: Floats
     is_used: bool = True
+    at: Floats | None = None
+
+    @property
+    def hand(self) -> Floats:
+        """The place (3,) [m] in the world about which the robot's errors turn the plate."""
+        return self.T_world_flange.translation if self.at is None else self.at
 
 
 def offsets(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""How far scanned points lie from the robot as its model expects it."""
+"""How far scanned points lie from the robot, or the whole cell, as the model expects it."""
 
 from collections.abc import Mapping
 
@@ -8,17 +8,20 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
-from workbench.perception.simulation.held_plate import robot_scene
+from workbench.perception.simulation.ball_plate import cell_scene, robot_scene
 
 
-def distances_to_robot(cell: Cell, Ts_world_link: Mapping[str, pin.SE3], points: Floats) -> Floats:
+def distances_to_cell(cell: Cell, Ts_world_link: Mapping[str, pin.SE3], points: Floats) -> Floats:
     """The distance (n,) [m] of points (n, 3) [m] in the world from the surface of robot and tools.
+
+    A scanner on an arm sees little of them: there bin and fixtures count, too.
 
     Args:
         cell: whose robot.
         Ts_world_link: where every link is.
         points: what was scanned.
     """
-    scene = robot_scene(cell, Ts_world_link)
+    scene_of = robot_scene if cell.scanner.on_arm is None else cell_scene
+    scene = scene_of(cell, Ts_world_link)
     queries = np.ascontiguousarray(points, dtype=np.float32)
     return scene.compute_distance(o3d.core.Tensor(queries), nthreads=1).numpy().astype(np.float64)

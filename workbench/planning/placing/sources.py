@@ -7,6 +7,7 @@ the world's axes, as `Detection` has it.
 import numpy as np
 
 from workbench.model.cell import ScannerMount
+from workbench.model.derived.scanner_poses import calibration_covariance
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection
 
@@ -20,15 +21,15 @@ LOCALIZATION = (0.001, float(np.deg2rad(1.0)))
 
 def calibration_error(mount: ScannerMount, detection: Detection) -> Floats:
     """What the scanner's pose leaves open (6, 6) [m, rad]: more of parts that are further away."""
-    record = mount.calibration
+    record, covariance = mount.calibration, calibration_covariance(mount)
     x, y, z = detection.T_world_part.translation - mount.T_world_scanner.translation
     moved = np.zeros((6, 3))  # by turns of the scanner
     moved[:3] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
     moved[3:] = np.eye(3)
-    if record is not None and record.covariance is not None:
+    if covariance is not None:
         # What is not known of place and direction cancels in part: the plate was near the bin.
         moves = np.hstack([np.eye(6, 3), moved])
-        return moves @ record.covariance @ moves.T
+        return moves @ covariance @ moves.T
     place, turn = CALIBRATION
     if record is not None and record.position_error is not None:
         place = record.position_error

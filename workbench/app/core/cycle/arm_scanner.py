@@ -5,9 +5,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from workbench.app.core.cycle.standing import shift_of
+from workbench.app.core.cycle.standing import LEAST_MOVED, shift_of
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused
+from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.robot import HOME, ArmScanner
@@ -133,6 +134,32 @@ def scan_problem(cell: Cell, scan: Scan | None, joints: Mapping[str, float]) -> 
     if off.shift <= off.allowed:
         return None
     return Refusal.MOVED_SINCE_SCAN(axis=off.axis, arm=arm.name, off=off.worst, away=off.shift)
+
+
+def plate_problem(
+    cell: Cell, arm_name: str, q: Floats, joints: Mapping[str, float]
+) -> Message | None:
+    """Why a scan of the plate cannot be used; None when it can, or where the scanner stands.
+
+    Args:
+        cell: whose scanner it is; a simulated one sees the plate from wherever an arm is jogged.
+        arm_name: of the arm that carries the scanner.
+        q: where it stands (n,) [rad, m], chain order.
+        joints: name -> [rad, m], as the controller reports.
+    """
+    carrier = cell.scanner.on_arm
+    if carrier is None:
+        return None
+    if arm_name != carrier.arm:
+        return Refusal.OTHER_CARRIER(carrier=carrier.arm, arm=arm_name)
+    if cell.scanner.source == "simulated":
+        return None
+    if not all(math.isfinite(joints.get(name, math.nan)) for name in carrier.joints):
+        return Refusal.SCANNER_UNKNOWN(arm=carrier.arm)
+    off = shift_of(cell, cell.arm(carrier.arm), q, joints)
+    if off.shift <= LEAST_MOVED:
+        return None
+    return Refusal.PLATE_SCAN_MOVED(axis=off.axis, arm=carrier.arm, off=off.worst, away=off.shift)
 
 
 def _unknown(cell: Cell, joints: Mapping[str, float]) -> Message | None:

@@ -7,7 +7,7 @@ from workbench.app.core.cell.changes import change_whole
 from workbench.app.core.cell.making import with_made
 from workbench.app.core.command import EVERY, Command, Decision, Entry, Right
 from workbench.app.core.cycle.ahead import brought_ahead, given_up
-from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
+from workbench.app.core.cycle.arm_scanner import plate_problem, scan_problem, standing_joints
 from workbench.app.core.cycle.correcting import CORRECT, with_corrected
 from workbench.app.core.cycle.results import gone_on, with_result
 from workbench.app.core.effects import StopJob
@@ -63,10 +63,13 @@ class JobEnded(Command):
 
 def _still_good(state: State, result: Any, entry: Entry) -> Any:
     """A result of the worker; an error instead of a scan during which its arm has moved."""
-    if not isinstance(result, Scan):
-        return result
-    joints = standing_joints(state.cell, entry.joints)
-    problem = scan_problem(state.cell, result, joints)
+    match result:
+        case Scan():
+            problem = scan_problem(state.cell, result, standing_joints(state.cell, entry.joints))
+        case PlateObservation():
+            problem = plate_problem(state.cell, result.arm, result.q, entry.joints)
+        case _:
+            return result
     return result if problem is None else InputError(problem)
 
 

@@ -4,7 +4,12 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
-from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints, view_problem
+from workbench.app.core.cycle.arm_scanner import (
+    plate_problem,
+    scan_problem,
+    standing_joints,
+    view_problem,
+)
 from workbench.app.core.people import Role
 from workbench.app.core.state import Avoided, Phase, ScanState, State, begin_stage, stale_by
 from workbench.app.core.tasks import Begun, begin_task
@@ -23,7 +28,6 @@ from workbench.model.cell import Cell
 from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import Floats, frozen, put
-from workbench.model.messages.cells import CellText
 from workbench.model.messages.commands import CommandText, StaleText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import ChangeRefusal
@@ -74,9 +78,10 @@ class UseScan(Command):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SightPlate(Command):
-    """Scan the reference plate that an arm at `q` (n,) [rad], chain order, holds.
+    """Scan the reference plate while an arm stands at `q` (n,) [rad], chain order.
 
-    `seed` is that of the simulated scanner's noise.
+    The arm holds the plate, or carries the scanner.  `seed` is that of the simulated scanner's
+    noise.
     """
 
     right: ClassVar[Right] = Right(CommandText.SIGHT_PLATE, SAFE, role=Role.ENGINEER)
@@ -92,9 +97,7 @@ class SightPlate(Command):
     def check(self, state: State, asked: Asked) -> None:
         check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
         check_configuration(state.cell, self.arm, self.q)
-        carrier = state.cell.scanner.on_arm
-        if carrier is not None:
-            refuse(CellText.SCANNER_HANGS(cell=state.cell.name, arm=carrier.arm))
+        refuse(plate_problem(state.cell, self.arm, self.q, asked.joints))
         if len(state.observations) >= MOST_OBSERVATIONS:
             raise CommandRefused(ChangeRefusal.MOST_POSES_TAKEN(most=MOST_OBSERVATIONS))
 
@@ -174,7 +177,7 @@ def _after_one_more_scan(state: State, at: float) -> tuple[Avoided, ...]:
 
 
 def sight_plate(state: State, entry: Entry, command: SightPlate) -> Begun:
-    """The plate is looked at, held in one more pose."""
+    """The plate is scanned in one more pose."""
     numbers = (observation.name.rpartition(" ")[2] for observation in state.observations)
     last = max((int(number) for number in numbers if number.isdecimal()), default=0)
     arguments = {

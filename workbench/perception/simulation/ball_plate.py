@@ -1,4 +1,4 @@
-"""A simulated scan of the robot that holds the reference plate over its bin.
+"""A simulated scan of the reference plate: held by the robot, or standing over the bin.
 
 The piles that `synthesize` looks at have no robot in them; here it is the robot that is checked.
 """
@@ -10,7 +10,7 @@ import open3d as o3d
 import pinocchio as pin
 
 from workbench.model.calibration import BallPlate
-from workbench.model.cell import Cell
+from workbench.model.cell import Bin, Cell
 from workbench.model.derived.by_bin import surfaces
 from workbench.model.errors import InputError
 from workbench.model.geometry import Cylinder, Solid, Sphere
@@ -37,8 +37,14 @@ def held_pose(plate: BallPlate) -> pin.SE3:
     return pin.SE3(np.eye(3), np.array([OFFSET, -middle[1], HEIGHT]))
 
 
+def standing_pose(box: Bin, plate: BallPlate) -> pin.SE3:
+    """`T_world_plate` of the simulation: level in the middle of a bin, as high as its rim."""
+    middle = np.array([0.0, 0.0, box.size[2] + plate.radius]) - plate.centres.mean(axis=0)
+    return box.T_world_bin * pin.SE3(np.eye(3), middle)
+
+
 def plate_solids(plate: BallPlate) -> tuple[Solid, ...]:
-    """The balls, and rods between them and to the tool, in the plate's frame."""
+    """The balls, rods between them, and one to hold the plate by, in the plate's frame."""
     centres = plate.centres
     solids = [
         Solid(f"ball_{k + 1}", Sphere(plate.radius), pin.SE3(np.eye(3), centre))
@@ -54,38 +60,34 @@ def plate_solids(plate: BallPlate) -> tuple[Solid, ...]:
     return tuple(solids)
 
 
-def scan_held_plate(
+def scan_plate(
     cell: Cell,
     Ts_world_link: Mapping[str, pin.SE3],
-    arm: str,
     plate: BallPlate,
+    T_world_plate: pin.SE3,
     *,
     seed: int,
-    T_world_scanner: pin.SE3 | None = None,
+    T_world_scanner: pin.SE3,
 ) -> Scan:
     """What the scanner sees of robot, tools, plate, bin and fixtures.
 
     Args:
         cell: with the scanner.
         Ts_world_link: where every link is.
-        arm: that holds the plate as `held_pose` says.
         plate: the reference.
+        T_world_plate: where it is.
         seed: of the noise.
-        T_world_scanner: where the scanner truly hangs; where the cell says when not given.
+        T_world_scanner: where the scanner truly is.
 
     Raises:
         InputError: nothing is within the scanner's range.
     """
-    T_true = cell.scanner.T_world_scanner if T_world_scanner is None else T_world_scanner
-    scene = robot_scene(cell, Ts_world_link)
-    add_solids(scene, plate_solids(plate), _plate_of(cell, Ts_world_link, arm, plate))
-    add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
-    for fixture in surfaces(cell):
-        add_solids(scene, fixture.solids, fixture.T_world_fixture)
+    scene = cell_scene(cell, Ts_world_link)
+    add_solids(scene, plate_solids(plate), T_world_plate)
     mount = cell.scanner
     rays = Pinhole.of_scanner(mount).rays().reshape(-1, 3)
-    directions = rays @ T_true.rotation.T
-    hits = scene.cast_rays(rays_of(T_true.translation, directions))
+    directions = rays @ T_world_scanner.rotation.T
+    hits = scene.cast_rays(rays_of(T_world_scanner.translation, directions))
     depth = hits["t_hit"].numpy().astype(np.float64)
     normals = hits["primitive_normals"].numpy()
     cosine = np.abs(np.sum(normals * directions, axis=1)) / np.linalg.norm(directions, axis=1)
@@ -97,23 +99,22 @@ def scan_held_plate(
         raise InputError(f"the scanner of cell {cell.name} sees nothing within its range")
     deviation = mount.depth_noise * depth[pixels] ** 2 / cosine[pixels]
     depth = depth[pixels] + deviation * generator.standard_normal(len(pixels))
-    return Scan(rays[pixels] * depth[:, None], T_true, "simulated", pixels, mount.resolution)
+    points = rays[pixels] * depth[:, None]
+    return Scan(points, T_world_scanner, "simulated", pixels, mount.resolution)
 
 
 def is_plate_in_sight(
     cell: Cell,
     Ts_world_link: Mapping[str, pin.SE3],
-    arm: str,
     plate: BallPlate,
-    T_tcp_plate: pin.SE3 | None = None,
+    T_world_plate: pin.SE3,
+    T_world_scanner: pin.SE3,
 ) -> bool:
     """Whether all three balls lie inside the scanner's picture and nothing of the robot hides them.
 
-    Each ball is checked in its middle and at four places around it.  The plate is held as
-    `T_tcp_plate` says, or as `held_pose` does.
+    Each ball is checked in its middle and at four places around it.
     """
-    T_world_plate = _plate_of(cell, Ts_world_link, arm, plate, T_tcp_plate)
-    T_scanner_plate = cell.scanner.T_world_scanner.actInv(T_world_plate)
+    T_scanner_plate = T_world_scanner.actInv(T_world_plate)
     around = (
         0.8 * plate.radius * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
     )
@@ -125,23 +126,11 @@ def is_plate_in_sight(
     is_inside = (pixels >= 0).all() and (pixels < (columns, rows)).all()
     if not is_inside or points[:, 2].min() < cell.scanner.near + plate.radius:
         return False
-    T = cell.scanner.T_world_scanner
-    directions = points @ T.rotation.T
-    hits = robot_scene(cell, Ts_world_link).cast_rays(rays_of(T.translation, directions))
+    directions = points @ T_world_scanner.rotation.T
+    rays = rays_of(T_world_scanner.translation, directions)
+    hits = robot_scene(cell, Ts_world_link).cast_rays(rays)
     # A direction is as long as the way to its point: 1 is there.
     return bool((hits["t_hit"].numpy() > 1.0).all())
-
-
-def _plate_of(
-    cell: Cell,
-    Ts_world_link: Mapping[str, pin.SE3],
-    arm: str,
-    plate: BallPlate,
-    T_tcp_plate: pin.SE3 | None = None,
-) -> pin.SE3:
-    holder = cell.arm(arm)
-    held = held_pose(plate) if T_tcp_plate is None else T_tcp_plate
-    return Ts_world_link[holder.flange] * holder.tool.T_flange_tcp * held
 
 
 def robot_scene(cell: Cell, Ts_world_link: Mapping[str, pin.SE3]) -> o3d.t.geometry.RaycastingScene:
@@ -152,4 +141,13 @@ def robot_scene(cell: Cell, Ts_world_link: Mapping[str, pin.SE3]) -> o3d.t.geome
     for arm in cell.arms:
         solids = (*arm.tool.body, *(finger.solid for finger in arm.tool.fingers))
         add_solids(scene, solids, Ts_world_link[arm.flange])
+    return scene
+
+
+def cell_scene(cell: Cell, Ts_world_link: Mapping[str, pin.SE3]) -> o3d.t.geometry.RaycastingScene:
+    """The robot, its tools, the bin and all fixtures."""
+    scene = robot_scene(cell, Ts_world_link)
+    add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
+    for fixture in surfaces(cell):
+        add_solids(scene, fixture.solids, fixture.T_world_fixture)
     return scene
