@@ -39,7 +39,7 @@ class Files:
 
     Of several bins `bin` is the one that parts are taken from, and `other_bins` are the others.
     They may be changed, as the cell may after a plan was made.  `points` (n, 4) [m] are those of a
-    part's mesh.
+    part's mesh.  Of the kinds `searched` any grip may be found that no file has.
     """
 
     folder: Path
@@ -50,6 +50,7 @@ class Files:
     chains: dict[str, list[str]] = field(default_factory=dict)
     never: set[frozenset[str | None]] = field(default_factory=set)
     points: dict[str, np.ndarray] = field(default_factory=dict)
+    searched: set[str] = field(default_factory=set)
 
     def copied(self) -> "Files":
         """The same, to be changed."""
@@ -75,6 +76,15 @@ class Files:
             return found
         moves = made(self.parts[kind], turn)
         return [grasp | {"T": move @ grasp["T"]} for grasp in found for move in moves]
+
+    def taken_by(self, kind: str, one) -> list[dict[str, Any]]:
+        """The grasps by which an arm of a plan may take a part, or the grip that was found."""
+        if one.found is None:
+            return self.meant(kind, one.grasp)
+        if kind not in self.searched:
+            return []
+        sizes = {"opening_mm": one.found.opening * 1000, "grip_mm": one.found.grip * 1000}
+        return [sizes | {"name": one.grasp, "T": one.found.T_part_tcp.homogeneous}]
 
     def policy(self, key: str) -> float:
         """A length of the policy [m], or another number of it."""
@@ -142,18 +152,20 @@ def read(folder: Path, parts: Path, name: str = "cell.toml", box: str = "") -> F
     bins = cell["bin"] if isinstance(cell["bin"], list) else [cell["bin"]]
     cell["bin"] = next(table for table in bins if box in ("", table.get("name", "")))
     cell["other_bins"] = [table for table in bins if table is not cell["bin"]]
-    kinds, grasps, points = {}, {}, {}
+    kinds, grasps, points, searched = {}, {}, {}, set()
     for part in cell["parts"]:
         where = parts / part if (parts / part).is_dir() else folder / part
         table = tomllib.loads((where / "part.toml").read_text())
         kinds[table["name"]] = table
-        found = tomllib.loads((where / "grasps.toml").read_text())["grasp"]
-        grasps[table["name"]] = list(_grasps(found))
+        library = tomllib.loads((where / "grasps.toml").read_text())
+        grasps[table["name"]] = list(_grasps(library["grasp"]))
+        if library.get("search", False):
+            searched.add(table["name"])
         mesh = trimesh.load_mesh(where / table["mesh"]["file"])
         scale = {"mm": 0.001, "m": 1.0}[table["mesh"]["unit"]]
         corners = np.asarray(mesh.vertices) * scale
         points[table["name"]] = np.column_stack([corners, np.ones(len(corners))])
-    files = Files(folder, cell, kinds, grasps, points=points)
+    files = Files(folder, cell, kinds, grasps, points=points, searched=searched)
     robot = ElementTree.parse(folder / cell["robot"]["urdf"]).getroot()
     above = {}
     for joint in robot.iter("joint"):

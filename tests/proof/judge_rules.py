@@ -216,7 +216,7 @@ def _least_air_mm(policy) -> float | None:
 
 def _grasp(files: Files, plan, one) -> str:
     kind = plan.detections[one.detection].part
-    grasp = next(iter(files.meant(kind, one.grasp)), None)
+    grasp = next(iter(files.taken_by(kind, one)), None)
     if grasp is None:
         return "no such grasp"
     if not grasp.get("enabled", True):
@@ -279,7 +279,7 @@ def is_off(files: Files, scene, plan, one, hand) -> str:
             return wrong
     held = [
         grasp
-        for grasp in files.meant(kind, one.grasp)
+        for grasp in files.taken_by(kind, one)
         if any(_as_authored(grasp, points, half @ T_tcp_part) for half in halves)
     ]
     if not held:
