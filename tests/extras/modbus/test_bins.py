@@ -41,3 +41,9 @@ def test_numbers_that_no_bin_has_are_wrong_arguments(site):
     assert [JOBS[NEW].make(state, number, 0) for number in (0, 3)] == [None, None]
     assert JOBS[CHOOSE].make(state, 3, 0) is None
     assert JOBS[CHOOSE].make(replace(state, empty_bins=("left",)), 0, 0) is None
+
+
+def test_a_scanner_that_stands_has_no_view(site):
+    state = site.bench.state
+    assert values_of(state, Live())[Register.VIEW] == 0
+    assert JOBS[15].make(state, 1, 0) is None

@@ -171,6 +171,7 @@ def test_no_command_approves_or_acknowledges(site, plc):
         "ChooseRecipe",
         "NewKit",
         "ChooseBin",
+        "PlanView",
         "NewBin",
         "NoneType",
         "CancelJob",

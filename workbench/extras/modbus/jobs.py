@@ -14,6 +14,7 @@ from enum import IntEnum
 from workbench.app.core.cell.bins import ChooseBin, NewBin, bin_numbered
 from workbench.app.core.cell.kits import NewKit
 from workbench.app.core.cell.recipes import ChooseRecipe
+from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.command import Command
 from workbench.app.core.control import ReleaseControl, TakeControl
 from workbench.app.core.cycle.ahead import GoOn
@@ -23,11 +24,14 @@ from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import SendPlan, Stop
+from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.bench import Bench
 from workbench.extras.modbus.registers import ACTOR, HIGHEST, MAP_VERSION, Register, plan_words
+from workbench.model.derived.by_view import views_of
 from workbench.model.errors import WorkbenchError
+from workbench.model.robot import HOME
 
 log = logging.getLogger(__name__)
 
@@ -104,6 +108,11 @@ def _new_bin(state: State, number: int, _: int) -> NewBin | None:
     return None if name is None else NewBin(name)
 
 
+def _choose_view(state: State, number: int, _: int) -> ChooseView | None:
+    views = views_of(state.cell)
+    return ChooseView(views[number - 1].name) if 0 < number <= len(views) else None
+
+
 def _plain(make: Callable[[], Command]) -> Job:
     return Job(lambda _state, _a, _b: make())
 
@@ -119,6 +128,9 @@ JOBS: Mapping[int, Job] = {
     12: _plain(NewKit),
     13: Job(_choose_bin),
     14: Job(_new_bin),
+    15: Job(_choose_view),
+    16: Job(lambda _state, _a, _b: PlanView(), "plan"),
+    17: Job(lambda _state, _a, _b: PlanView(HOME), "plan"),
     20: Job(_send),
     21: Job(_go_on, "plan"),
     22: _plain(CancelJob),

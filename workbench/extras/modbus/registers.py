@@ -9,6 +9,8 @@ from workbench.app.core.cycle.rows import plans_sent
 from workbench.app.core.rights import obstacle
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.live import Live
+from workbench.model.cell import Cell
+from workbench.model.derived.by_view import view_name, views_of
 from workbench.model.derived.place_of_plan import place_number
 from workbench.model.derived.row_parts import count_taken, parts_taken
 
@@ -16,7 +18,7 @@ MAP_VERSION = 1
 WRITTEN = 5
 """Registers from 0 on that the PLC writes."""
 
-SIZE = 41
+SIZE = 42
 HIGHEST = 65535
 ACTOR = "modbus"
 """Who acts, as an operator; on record by this name."""
@@ -61,6 +63,7 @@ class Register(IntEnum):
     ENTRY_LOW = 38
     BIN = 39
     EMPTY_BINS = 40
+    VIEW = 41
 
 
 PHASES = tuple(Phase)
@@ -108,6 +111,7 @@ def values_of(state: State, live: Live) -> dict[int, int]:
         Register.ENTRY_LOW: state.number & HIGHEST,
         Register.BIN: _place(bins, state.cell.bin.name),
         Register.EMPTY_BINS: _bits(name in state.empty_bins for name in bins),
+        Register.VIEW: _view_number(state.cell),
     }
     if state.plan is not None and state.plan.arms:
         first = state.plan.arms[0]
@@ -116,6 +120,12 @@ def values_of(state: State, live: Live) -> dict[int, int]:
         values[Register.NEXT_KIND] = _place(kinds, state.plan.detections[first.detection].part)
         values[Register.NEXT_PLACE] = _place_number(cell, first)
     return {register: min(int(value), HIGHEST) for register, value in values.items()}
+
+
+def _view_number(cell: Cell) -> int:
+    """The place of the chosen view among those of the bin, from 1; 0 where the scanner stands."""
+    names = [view.name for view in views_of(cell)]
+    return _place(names, view_name(cell)) if names else 0
 
 
 def _bits(flags: Iterable[bool]) -> int:

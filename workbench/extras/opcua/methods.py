@@ -9,6 +9,7 @@ from asyncua import ua
 from workbench.app.core.cell.bins import ChooseBin, NewBin
 from workbench.app.core.cell.kits import NewKit
 from workbench.app.core.cell.recipes import ChooseRecipe
+from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.command import Command
 from workbench.app.core.control import ReleaseControl, TakeControl
 from workbench.app.core.cycle.ahead import GoOn
@@ -18,6 +19,7 @@ from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import SendPlan, Stop
+from workbench.app.core.cycle.viewing import PlanView
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +98,16 @@ METHODS: tuple[Method, ...] = (
     ),
     Method("ChooseBin", lambda given: ChooseBin(given[0]), (BIN,)),
     Method("NewBin", lambda given: NewBin(given[0]), (BIN,)),
+    Method(
+        "ChooseView",
+        lambda given: ChooseView(given[0]),
+        (Argument("View", ua.VariantType.String, "one of the variable Views"),),
+    ),
+    Method(
+        "PlanView",
+        lambda given: PlanView(given[0]),
+        (Argument("View", ua.VariantType.String, "the chosen one, or empty; home: back from it"),),
+    ),
     Method("NewKit", lambda given: NewKit()),
     Method("Stop", lambda given: Stop()),
     Method("Cancel", lambda given: CancelJob()),

@@ -12,6 +12,7 @@ from workbench.app.core.rights import obstacle
 from workbench.app.core.state import State
 from workbench.app.runtime.live import Live
 from workbench.model.derived.by_recipe import kit_of, strategies_of
+from workbench.model.derived.by_view import view_name, views_of
 
 VARIABLES: Mapping[str, ua.VariantType] = {
     "Number": ua.VariantType.UInt32,
@@ -24,6 +25,8 @@ VARIABLES: Mapping[str, ua.VariantType] = {
     "Bin": ua.VariantType.String,
     "Bins": ua.VariantType.String,
     "EmptyBins": ua.VariantType.String,
+    "View": ua.VariantType.String,
+    "Views": ua.VariantType.String,
     "KitLacks": ua.VariantType.String,
     "KitIsComplete": ua.VariantType.Boolean,
     "KitsComplete": ua.VariantType.UInt32,
@@ -60,6 +63,8 @@ def values_of(state: State, live: Live, head: tuple[int, str]) -> Mapping[str, A
         "Bin": state.cell.bin.name,
         "Bins": ", ".join(box.name for box in state.cell.bins),
         "EmptyBins": ", ".join(b.name for b in state.cell.bins if b.name in state.empty_bins),
+        "View": view_name(state.cell),
+        "Views": ", ".join(view.name for view in views_of(state.cell)),
         "KitLacks": ", ".join(f"{count} {part}" for part, count in lacks.items()),
         "KitIsComplete": bool(kit_of(state.cell)) and not lacks,
         "KitsComplete": state.kit.complete,
