@@ -1,6 +1,7 @@
 """A scan from a file in a real browser: parts found, one vetoed, one corrected by gizmo."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -108,6 +109,23 @@ def test_a_first_scan_in_another_unit_and_other_axes_fits_the_scanner(
     off = scanner.T_world_scanner.translation - cell.scanner.T_world_scanner.translation
     assert np.linalg.norm(off) < 0.005
     screen.shoot("parts-fitted")
+    bench.do(UndoCell(), "Ada")
+    assert bench.state.cell.digest == cell.digest
+
+
+@pytest.mark.extensive
+def test_a_first_scan_of_another_bin_takes_its_size(screen, bench, wait, tmp_path):
+    cell, file = bench.state.cell, tmp_path / "larger.ply"
+    larger = replace(cell, bin=replace(cell.bin, size=np.array([0.24, 0.34, 0.08])))
+    write_cloud(
+        file, synthesize(larger, drop_parts(cell.parts[:1] * 3, larger.bin, seed=2), seed=2)
+    )
+    screen.tab("Parts")
+    with screen.page.expect_file_chooser() as chooser:
+        screen.press("Fit scanner to file")
+    chooser.value.set_files(file)
+    wait(lambda: bench.state.scan is not None, "no scan was taken")
+    np.testing.assert_allclose(bench.state.cell.bin.size, larger.bin.size, atol=0.005)
     bench.do(UndoCell(), "Ada")
     assert bench.state.cell.digest == cell.digest
 

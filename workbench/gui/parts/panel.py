@@ -89,8 +89,8 @@ class PartsPanel:
             "Fit scanner to file",
             icon=viser.Icon.RULER_2,
             color="gray",
-            hint="Finds unit, axes and range of a first scan and the scanner's pose over the bin, "
-            "then takes the scan; Undo and Save are in the Cell tab.",
+            hint="Finds unit, axes and range of a first scan, the scanner's pose and the size of "
+            "the bin, then takes the scan; Undo and Save are in the Cell tab.",
         )
         self._scan_colours = gui.add_checkbox(
             "Scan colours",
@@ -338,9 +338,13 @@ class PartsPanel:
         check_stands(cell)
         fitted = fitted_scanner(name, content, cell, cancelled=cancelled)
         scan = sent_scan(name, content, fitted.mount, cancelled=cancelled)
-        if digest_of(fitted.mount) != digest_of(cell.scanner):
+        after = replace(cell, scanner=fitted.mount, bin=fitted.bin)
+        if after.digest != cell.digest:
             says = EditText.SCANNER_FITTED(file=name)
-            visitor.give(ChangeCell(replace(cell, scanner=fitted.mount), says))
+            if digest_of(fitted.bin) != digest_of(cell.bin):
+                size = " x ".join(f"{1000 * side:.0f}" for side in fitted.bin.size)
+                says = EditText.BIN_FITTED(file=name, size=size)
+            visitor.give(ChangeCell(after, says))
         for left in fitted.left:
             visitor.notify(name, sentence(visitor.words.render(left)), color="blue")
         return UseScan(scan)

@@ -22,9 +22,13 @@ from workbench.plugins.progress import Cancelled, never
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FittedScanner:
-    """A scanner as its first scan shows it, and what `left` that does not fit, a sentence each."""
+    """Scanner and bin as a first scan shows them, and what `left` that does not fit, in sentences.
+
+    The bin has another size where another one than the cell's is seen.
+    """
 
     mount: ScannerMount
+    bin: Bin
     left: tuple[Message, ...]
 
 
@@ -87,7 +91,7 @@ def sent_poses(
 def fitted_scanner(
     name: str, content: Content, cell: Cell, *, cancelled: Cancelled = never
 ) -> FittedScanner:
-    """The scanner of a cell as the scan in a file shows it.
+    """The scanner of a cell, and the bin, as the scan in a file shows them.
 
     Args:
         name: of the file.
@@ -128,10 +132,10 @@ def fit_to_file(file: Path, mount: Any, bin: Any) -> Answer:
 
     seen = restore_value(ScannerMount, mount, _nothing), restore_value(Bin, bin, _nothing)
     content = read_whole(file, LARGEST_FILE)
-    fitted = first_scan(file, content, *seen).mount
+    fitted = first_scan(file, content, *seen)
     # What is said from here on is what that does not mend.
-    left = first_scan(file, content, fitted, seen[1]).says
-    return _make_answer(FittedScanner(fitted, left))
+    left = first_scan(file, content, fitted.mount, fitted.bin).says
+    return _make_answer(FittedScanner(fitted.mount, fitted.bin, left))
 
 
 def _read(

@@ -116,6 +116,7 @@ class EditText(Text, subject="edit"):
     PART_GROWN = "the surface of {part} lies {offset:mm2} outside of its CAD file"
     SCANNER_MOVED = "{by} moved the scanner to where recorded scans show it"
     SCANNER_FITTED = "the scanner is fitted to {file}"
+    BIN_FITTED = "the scanner is fitted to {file}, and the bin is {size} mm large"
     CALIBRATED = "{by} calibrated the scanner with {used} {used:pose|poses}"
     POSE_USED = "{pose} is used again"
     POSE_LEFT_OUT = "{pose} is left out"
