@@ -57,12 +57,10 @@ def with_corrected(state: State, number: int, part: Part, entry: Entry) -> Decis
     job = state.job
     if job is None or (job.number, job.name) != (number, CORRECT):
         return state, ()
-    says = plain("")
+    says = _changes(state.cell.part(part.name), part)
 
     def change(whole: State) -> Decision:
-        nonlocal says
         known = whole.cell.part(part.name)
-        says = _changes(known, part)
         corrected = replace(part, library=known.library, symmetry=known.symmetry)
         parts = tuple(corrected if each is known else each for each in whole.cell.parts)
         after, effects = changed_cell(whole, replace(whole.cell, parts=parts), says)
