@@ -130,8 +130,11 @@ def _pose_row(
     distance = angle = predicted = ""
     says, colour = "yes" if observation.is_used else "left out by a person", MUTED
     if residual is not None:
-        distance, angle = mm(residual.distance, 2), f"{np.rad2deg(residual.angle):.2f} deg"
-        predicted = "open" if residual.predicted is None else words.render(_off(residual.predicted))
+        distance, angle = mm(residual.distance, 2), _degrees(residual.angle)
+        predicted = "open"
+        if residual.predicted is not None:
+            shift, turn = residual.predicted
+            predicted = f"{mm(shift, 2)} {_degrees(turn)}"
         colour = LIGHTS[residual.light]
         says = words.render(residual.left_out) or "yes"
     dot = badge(colour, observation.name)
@@ -140,6 +143,11 @@ def _pose_row(
         f'<td class="wb-number">{escape(distance)}</td><td class="wb-number">{escape(angle)}</td>'
         f'<td class="wb-number">{escape(predicted)}</td><td>{escape(says)}</td></tr>'
     )
+
+
+def _degrees(angle: float) -> str:
+    """An angle [rad] as short as a narrow column needs it."""
+    return f"{np.rad2deg(angle):.2f}°"
 
 
 def _off(shift_and_turn: tuple[float, float]) -> Message:
