@@ -178,7 +178,7 @@ class Count:
         if kind == LinkEnded.__name__ and body["after"].get("phase") == "sending":
             self._follows()
         if kind == JobEnded.__name__ and body["after"]["job"] == number:
-            # It was gone on with what that task has brought; a corrected part is searched again.
+            # What that task brought was taken without a person; a corrected part is searched again.
             is_corrected = "part" in body["command"]["result"]
             follows = "find parts" if is_corrected else STAGES[STAGES.index(stage) + 1]
             self._begun = (follows, at, number)

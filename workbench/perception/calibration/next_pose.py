@@ -19,7 +19,7 @@ def errors_with(
 ) -> tuple[float, Floats]:
     """The largest of the errors of points as it is, and as it were with each pose of the flange.
 
-    The errors of shifts and turns are taken as those of the poses so far.
+    The errors of shifts and turns are taken as those of the poses before.
 
     Args:
         poses: that are used, of one arm.
