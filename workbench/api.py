@@ -272,7 +272,7 @@ def plate_poses(
 
     Args:
         cell: whose arm and scanner.
-        plate: held beside the tool; over the bin where the arm carries the scanner.
+        plate: held next to the tool; over the bin where the arm carries the scanner.
         arm: its name.
         count: how many are wanted; fewer come back where there are no more.
         seed: the same seed finds the same.
@@ -294,7 +294,7 @@ def simulate_plate(
     Args:
         cell: whose robot and scanner.
         q: (n,) [rad] of the arm, in chain order.
-        plate: held beside the tool; over the bin where the arm carries the scanner.
+        plate: held next to the tool; over the bin where the arm carries the scanner.
         arm: its name.
         T_world_scanner: where the scanner truly hangs, on an arm at its view; where the cell says
             when not given.

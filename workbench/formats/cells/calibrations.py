@@ -121,8 +121,8 @@ def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:
         folder: holds `calibration.toml`: `format`, `arm`, `unit` of the scans, that of the cell's
             scanner when left out, a table `[plate]` with `ball_mm` (diameter), `sides_mm` (first
             ball to second, second to third, third to first) and `stands`, whether no arm holds it,
-            and for each pose a table `[[pose]]` with `scan`, a file beside it, and `joints_deg`, as
-            the controller counts and shows them.
+            and for each pose a table `[[pose]]` with `scan`, a file next to this one, and
+            `joints_deg`, as the controller counts and shows them.
         cell: whose arm it is: it holds the plate, or carries the scanner.
 
     Raises:

@@ -134,7 +134,7 @@ def estimate_variances(
         np.einsum("anj,njk->ank", projection.reshape(-1, count, 6), kind).reshape(projection.shape)
         for kind in kinds
     ]
-    shares = np.array([[np.sum(one * other.T) for other in taken] for one in taken[:-1]])
+    shares = np.array([[np.sum(a * b.T) for b in taken] for a in taken[:-1]])
     sums = np.einsum("ni,cnij,nj->c", left, kinds[:-1], left) - ball * shares[:, -1]
     size = 1 / np.sqrt(np.diag(shares))
     found = np.zeros(4)
