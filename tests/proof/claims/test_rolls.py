@@ -1,6 +1,7 @@
 """A plan is right for every turn of a part whose roll nobody knows, or it is not proven."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.claims.prove import prove
+from workbench.proof.claims.scene import turned_pieces, turned_rooms
+from workbench.proof.engine.shapes import hull
 
 
 def problems(cell, plan, scene=None) -> str:
@@ -54,6 +57,21 @@ def test_places_that_need_the_roll_are_asked_again(cell, result):
     assert "its places need" not in problems(
         careful, replace(plan, detections=result.plan.detections)
     )
+
+
+def test_a_piece_is_in_its_room_at_every_turn(cell, result):
+    part, found = cell.parts[0], unknown(result.plan).detections[0]
+    for (room, T_world_room), places in zip(
+        turned_rooms(part, found), turned_pieces(part, found), strict=True
+    ):
+        for shape, T_world_piece in places:
+            corners = np.array(list(product((-1, 1), repeat=3))) * hull(shape).box
+            disc = hull(shape).disc * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+            points = (corners[:, None] + np.pad(disc, ((0, 0), (0, 1)))).reshape(-1, 3)
+            seen = (T_world_room.inverse() * T_world_piece).act
+            inside = np.array([seen(point) for point in points])
+            assert np.abs(inside[:, 2]).max() <= room.length / 2 + 1e-9
+            assert np.linalg.norm(inside[:, :2], axis=1).max() <= room.radius + 1e-9
 
 
 def test_a_key_that_may_be_under_something_is_not_lifted(cell):

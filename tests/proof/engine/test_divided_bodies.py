@@ -91,6 +91,19 @@ def test_planning_compiled_code_and_the_proof_agree_on_bodies_with_pieces(seed):
         assert side(0, 1, R, c, cores, 0.0, 0.0, W) == TOUCHES
 
 
+def test_the_nearest_of_several_bodies_is_as_far_as_the_smallest_gap():
+    rng = np.random.default_rng(7)
+    shapes = [RING, Box(np.array([0.006, 0.01, 0.02])), Sphere(0.004)] * 3
+    others = [
+        (shape, pin.SE3(pin.exp3(rng.normal(size=3)), rng.normal(0, 0.03, 3))) for shape in shapes
+    ]
+    for body in ((Sphere(0.003), UPRIGHT), (RING, at(0.01, 0.05, 0.0))):
+        smallest = min(proven.gap_of(body, other) for other in others)
+        assert proven.least_gap(body, others) == smallest
+        assert proven.least_gap(body, others, smallest + 0.001) == smallest
+        assert proven.least_gap(body, others, smallest - 0.001) == smallest - 0.001
+
+
 def test_pieces_enter_the_digest_and_a_mesh_without_them_keeps_its_own():
     plain = Mesh(RING.points, RING.triangles, True)
     assert digest_of(plain) != digest_of(RING)

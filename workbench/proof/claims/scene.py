@@ -206,3 +206,10 @@ def turned_pieces(part: Part, found: Detection) -> list[list[tuple[Shape, pin.SE
             places.append((piece.shape, found.T_world_part * turn * piece.T_owner_shape))
         every.append(places)
     return every
+
+
+def turned_rooms(part: Part, found: Detection) -> list[tuple[Shape, pin.SE3]]:
+    """For each piece of a part the cylinder in the world that holds it at every turn."""
+    axis = roll_axis(part, found)
+    rooms = [room_of(piece, axis) for piece in part.pieces]
+    return [(room, found.T_world_part * T_part_room) for room, T_part_room in rooms]

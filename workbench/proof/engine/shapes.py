@@ -1,5 +1,6 @@
 """Shapes as Coal measures them, the hulls around them, and the distance of two."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -136,10 +137,15 @@ def measure(first: Placed, second: Placed) -> coal.DistanceResult:
 def _nearest(first: Placed, second: Placed, far: float) -> coal.DistanceResult | None:
     """How far the nearest pieces of two shapes are apart; None where none is within `far` [m]."""
     (shape, T), (bed, U) = first, second
-    mine, its, seen = _pieces(shape), _pieces(bed), T.actInv(U)
+    mine, its = _pieces(shape), _pieces(bed)
+    at, where = (coal.Transform3s(pose.rotation, pose.translation) for pose in (T, U))
+    if len(mine.shapes) == len(its.shapes) == 1:
+        only = coal.DistanceResult()
+        coal.distance(mine.shapes[0], at, its.shapes[0], where, coal.DistanceRequest(), only)
+        return only
+    seen = T.actInv(U)
     ours = (mine.centres - seen.translation) @ seen.rotation
     theirs = its.centres @ seen.rotation.T + seen.translation
-    at, where = (coal.Transform3s(pose.rotation, pose.translation) for pose in (T, U))
     best: coal.DistanceResult | None = None
 
     def look(i: int, j: int) -> float:
@@ -180,7 +186,8 @@ def _out_of(points: Floats, around: Hull) -> Floats:
 def _beyond(offsets: Floats, half: Floats) -> Floats:
     """How far points (..., 3) [m] from the middle of a box are from it, negative inside."""
     out = np.abs(offsets) - half
-    x, y, z = np.moveaxis(np.maximum(out, 0.0), -1, 0)
+    outside = np.maximum(out, 0.0)
+    x, y, z = outside[..., 0], outside[..., 1], outside[..., 2]
     return np.sqrt(x * x + y * y + z * z) + np.minimum(out.max(axis=-1), 0.0)
 
 
@@ -194,6 +201,16 @@ def gap_of(first: Placed, second: Placed, far: float = np.inf) -> float:
         return float(apart)
     nearest = _nearest(first, second, far)
     return far if nearest is None else float(nearest.min_distance)
+
+
+def least_gap(body: Placed, others: Sequence[Placed], far: float = np.inf) -> float:
+    """The distance [m] of a body to the nearest of others; at least `far` beyond that."""
+    for other in others:
+        gap = gap_of(body, other, far)
+        # What is no number is not far away.
+        if not gap >= far:
+            far = gap
+    return far
 
 
 def _measure_aslant_first() -> None:

@@ -12,11 +12,11 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.part import Part
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection
-from workbench.proof.claims.scene import roll_turns, still_of, turned_pieces
+from workbench.proof.claims.scene import roll_turns, still_of, turned_pieces, turned_rooms
 from workbench.proof.claims.stages import in_hand, tcp
 from workbench.proof.claims.table import least_distance_allowed
 from workbench.proof.engine.robot import Tree
-from workbench.proof.engine.shapes import gap_of, hull
+from workbench.proof.engine.shapes import gap_of, hull, least_gap
 
 NEARLY, FINE = 0.0005, 0.0004
 """[m, rad] How much nearer or farther counts as the same at a turn; and the sum of all joints'
@@ -48,28 +48,27 @@ def _held_violations(
     """Whether fingers, or a cup, are at the part, and not in it, however that is turned."""
     T_part_flange = (arm.tool.T_flange_tcp * T_tcp_part).inverse()
     wide = arm_plan.leg("extract").opening
-    solids, before = [(solid, solid.T_owner_shape) for solid in arm.tool.body], None
+    solids, wider = [(solid, solid.T_owner_shape) for solid in arm.tool.body], None
     if arm.tool.fingers:
         # The pieces are larger than the part by its tolerance.
         press = arm.tool.press + (part.tolerance or 0.0)
-        solids, before = _fingers(arm, wide), _fingers(arm, wide + 2 * press)
+        solids, wider = _fingers(arm, wide), _fingers(arm, wide + 2 * press)
     pieces, count = turned_pieces(part, found), roll_turns(part, found)
     T_world_flange = found.T_world_part * T_part_flange
+    hand = [(solid.shape, T_world_flange * T) for solid, T in solids]
+    before = [(solid.shape, T_world_flange * T) for solid, T in wider or ()]
+    # What is the same at every turn is measured once.
+    rounds = [piece[0] for piece in pieces if len(piece) == 1]
+    nearest = [least_gap(body, rounds) for body in hand]
+    deepest = min((least_gap(body, rounds) for body in before), default=np.inf)
     for turn in range(count):
-        places = [piece[min(turn, len(piece) - 1)] for piece in pieces]
-        gaps = [
-            min(gap_of((solid.shape, T_world_flange * T), place) for place in places)
-            for solid, T in solids
-        ]
+        places = [piece[turn] for piece in pieces if len(piece) > 1]
+        gaps = [least_gap(body, places, far) for body, far in zip(hand, nearest, strict=True)]
         far = max(gaps) if arm.tool.fingers else min(gaps)
         # Before pads give way they meet nothing.
         deep = min(gaps) + arm.tool.press
-        if before is not None:
-            deep = min(
-                gap_of((solid.shape, T_world_flange * T), place)
-                for place in places
-                for solid, T in before
-            )
+        if wider is not None:
+            deep = min(least_gap(body, places, deepest) for body in before)
         # What pads give way by differs from turn to turn; otherwise the fingers lie on the part.
         away = NEARLY if found.roll_known else arm.tool.press + NEARLY
         if deep < -NEARLY or far > away:
@@ -100,11 +99,16 @@ def _bed_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> It
             places = turned_pieces(cell.part(other.part), other)
             beds += [[(f"part-{number + 1}", place) for place in piece] for piece in places]
     far = policy.near_margin + policy.release + NEARLY
+    # The room of all turns is no farther from a bed than the piece at any of them.
+    near_beds = [
+        [bed for bed in beds if any(not gap_of(room, where, far) >= far for _, where in bed)]
+        for room in turned_rooms(part, found)
+    ]
     close = [
         (k, turn, bed, gaps)
         for k, piece in enumerate(mine)
         for turn, place in enumerate(piece)
-        for bed in beds
+        for bed in near_beds[k]
         for gaps in [[gap_of(place, where, far) for _, where in bed]]
         if not min(gaps) >= far
     ]
