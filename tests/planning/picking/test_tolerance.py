@@ -99,10 +99,10 @@ def test_a_hand_that_cannot_open_so_far_is_refused_with_the_figures(cell_with):
     refusals = [one.verdict for one in candidates if not one.grasp.is_found]
     # A search finds grips for which the hand is wide enough.
     assert all(one.grasp.opening <= 0.05 for one in candidates if one.grasp.is_found)
-    assert {refusal.reason for refusal in refusals} == {Reason.TOOL_COLLISION}
+    assert {refusal.reason for refusal in refusals} == {Reason.OUT_OF_STROKE}
     assert all(refusal.note.mentions(VerdictNote.STROKE_AND_TOLERANCE) for refusal in refusals)
     assert str(refusals[0].note) == (
-        "opening 52 mm, outside the stroke 0 mm to 50 mm; 12.0 mm of it for the part's tolerance"
+        "opening 52 mm, stroke 0 mm to 50 mm; 12.0 mm of the opening for the part's tolerance"
     )
 
 

@@ -132,8 +132,8 @@ def test_a_search_that_gives_up_is_no_proof(cell, result, monkeypatch):
     assert "for too long to be proven" in problems(prove(cell, result.plan))
 
 
-@pytest.mark.parametrize(("straight", "kept"), [("", "margin"), ("right", "near_margin")])
-def test_a_held_part_keeps_its_distance_to_the_arm_that_holds_it(cell, result, straight, kept):
+@pytest.mark.parametrize(("near_arm", "kept"), [("", "margin"), ("right", "near_margin")])
+def test_a_held_part_keeps_its_distance_to_the_arm_that_holds_it(cell, result, near_arm, kept):
     """As to anything else; links of one arm among themselves stand closer by design."""
     tree = tree_of(cell)
     bodies = bodies_of(cell, tree, result.plan.scene)
@@ -144,7 +144,7 @@ def test_a_held_part_keeps_its_distance_to_the_arm_that_holds_it(cell, result, s
     joints = np.array([body.joint for body in bodies])
     held = np.array([body.part == one.detection for body in bodies])
     joints[held] = tree.flange(cell.arm("right"))[0]
-    pairs = table.pairs(Situation(moves, {one.detection: "right"}, straight=straight), joints)
+    pairs = table.pairs(Situation(moves, {one.detection: "right"}, near_arm=near_arm), joints)
     a, b = table.first[pairs.rows], table.second[pairs.rows]
     own = np.array([body.kind == "link" and body.arm == "right" for body in bodies])
     with_part, alone = (held[a] & own[b]) | (held[b] & own[a]), own[a] & own[b]

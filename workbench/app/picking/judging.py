@@ -117,9 +117,9 @@ def furthest_verdict(candidates: Sequence[Candidate], *, is_searched: bool) -> V
         is_searched: whether grips were searched, and not only those of libraries tried.
     """
     if not candidates and is_searched:
-        return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, note=VerdictNote.NO_GRIP())
+        return Verdict(Reason.NO_GRIP, Stage.PROPOSE, note=VerdictNote.NO_GRIP())
     if not candidates:
-        return Verdict(Reason.DISABLED, Stage.PROPOSE, note=VerdictNote.NO_GRASP())
+        return Verdict(Reason.NO_GRASP, Stage.PROPOSE, note=VerdictNote.NO_GRASP())
     stages = list(Stage)
     late = next((c.verdict for c in candidates if c.verdict.reason is Reason.OUT_OF_TIME), None)
     return late or max((c.verdict for c in candidates), key=lambda v: stages.index(v.stage))

@@ -102,8 +102,6 @@ class BenchPick:
     """Which arms work: auto, alternated, coordinated, both, or one arm by its name."""
     planner: Maybe[str] = None
     """Planner of the free legs; the cell's when not given."""
-    air: bool = False
-    """Also search for handovers in the air, for parts that are not placed directly."""
     seed: FirstSeed = 0
     json: Json = False
 

@@ -108,7 +108,6 @@ def bench_pick(typed: BenchPick) -> int:
             seed=typed.seed,
             strategy=typed.strategy,
             planner=typed.planner,
-            air=typed.air,
             report=report,
         )
     if typed.json:
@@ -128,8 +127,6 @@ def bench_pick(typed: BenchPick) -> int:
     )
     fates = ", ".join(f"{count} {fate}" for fate, count in measured["parts"].items())
     print(f"of {typed.scenes * typed.parts} parts, by the grasp that got furthest: {fates}")
-    for fate, count in measured.get("air", {}).items():
-        print(f"{count} {fate}")
     if measured["cycle_seconds"]:
         print(f"predicted cycle: {np.median(measured['cycle_seconds']):.1f} s median")
     return SUCCESS

@@ -16,6 +16,9 @@ VERDICTS: dict[Reason, str] = {
     Reason.DISABLED: MUTED,
     Reason.OUTSIDE_REGIONS: MUTED,
     Reason.ARM_NOT_ALLOWED: MUTED,
+    Reason.NO_GRASP: MUTED,
+    Reason.NO_GRIP: "#a61e4d",
+    Reason.OUT_OF_STROKE: "#a61e4d",
     Reason.TOOL_COLLISION: "#e03131",
     Reason.ROLL_UNKNOWN: "#1864ab",
     Reason.OUT_OF_REACH: "#d1440c",
@@ -28,8 +31,9 @@ VERDICTS: dict[Reason, str] = {
     Reason.OUT_OF_TIME: "#0b7285",
     Reason.WITHIN_MARGIN: BUSY,
 }
-"""Green works, grey was not asked for, red touches, orange and ochre get stuck on the way;
-violet finds no way, cyan ran out of time, blue wants another scan; a margin is a warning."""
+"""Green works, grey was not asked for, wine red fits no hand, red touches; orange and ochre get
+stuck on the way, violet finds none, cyan ran out of time, blue wants another scan; a margin is a
+warning."""
 
 BRIGHT = 0.183
 """Luminance, 0 to 1, from which white letters have a contrast below 4.5."""

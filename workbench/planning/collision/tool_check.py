@@ -55,7 +55,7 @@ class ToolCheck:
         policy = policy or cell.policy
         self._margin, self._least_air = policy.near_margin, policy.least_air
         self._on_ways = kept_on_ways(cell)
-        self._still = surroundings
+        self._surroundings = surroundings
         self._around: dict[str, Around] = {}
         self._tools = {arm.name: tool_shapes(arm.tool) for arm in cell.arms}
         self.grips: dict[tuple[int, str], tuple[Grasp, ...]] = {}
@@ -75,9 +75,9 @@ class ToolCheck:
     ) -> tuple[int, int] | None:
         for number, tool in enumerate(self._tools[arm.name]):
             T = tool.at(arm.tool, T_world_tcp, opening)
-            gaps = self._still.gaps(T.act(tool.centre))
+            gaps = self._surroundings.gaps(T.act(tool.centre))
             for g in np.flatnonzero(gaps - tool.radius < self._margin).tolist():
-                margin = -press if self._still.owner[g] == target else self._margin
+                margin = -press if self._surroundings.owner[g] == target else self._margin
                 if self.measure_pair(arm, T_world_tcp, opening, (number, g))[1] < margin:
                     return number, g
         return None
@@ -89,7 +89,7 @@ class ToolCheck:
         number, g = pair
         tool = self._tools[arm.name][number]
         T = tool.at(arm.tool, T_world_tcp, opening)
-        body = self._still.bodies[g]
+        body = self._surroundings.bodies[g]
         far = distance(tool.solid.shape, T, body.shape, body.T_joint_body)
         return (f"{arm.name} {tool.name}", body.label), far
 
@@ -109,12 +109,12 @@ class ToolCheck:
         """
         if not rows:
             return []
-        pieces = self._still.pieces[rows[0][0]]
+        pieces = self._surroundings.pieces[rows[0][0]]
         press, air = self._press(arm, rows[0][0]), self._least_air
         if air is not None:
             air += press - arm.tool.press  # the part may be as much larger
         hands = hands_of(arm.tool, pieces, grasps, air, self._margin, press)
-        around = self._surroundings(arm)
+        around = self._around_arm(arm)
         numbers = list(dict.fromkeys(number for number, _ in rows))
         if not around.cores.known.all():
             return [self._slowly(arm, hands, *row) for row in rows]
@@ -129,7 +129,7 @@ class ToolCheck:
             self._margin,
             around,
         )
-        count = len(self._still.bodies)
+        count = len(self._surroundings.bodies)
         found: list[Fit] = []
         pairs = met.tolist()
         for (_, grasp), way, (phase, code, touches) in zip(rows, ways.tolist(), pairs, strict=True):
@@ -144,11 +144,11 @@ class ToolCheck:
 
         Booleans, no unit.
         """
-        around, count = self._surroundings(arm), len(hands.first) - 1
+        around, count = self._around_arm(arm), len(hands.first) - 1
         if not around.cores.known.all():
             return np.ones(count, bool)  # a closer look follows
         places = self._places([number], hands, around)
-        pieces = len(self._still.pieces[number])
+        pieces = len(self._surroundings.pieces[number])
         if len(hands.turn) == count:
             return which_fit(hands, pieces, places, self._margin, around)
         every = np.arange(count)
@@ -169,7 +169,7 @@ class ToolCheck:
             number: of the part that the tool takes along.
             way: (3,) [m] in the world.
         """
-        around, most = self._surroundings(arm), float(np.linalg.norm(way))
+        around, most = self._around_arm(arm), float(np.linalg.norm(way))
         if not around.cores.known.all() or most == 0.0:
             return None  # a closer look follows
         T = T_world_tcp * arm.tool.T_flange_tcp.inverse()
@@ -179,13 +179,16 @@ class ToolCheck:
         k, code = first_contact(R, places, opening, number, keeps, around)
         if k < 0:
             return None
-        number, g = divmod(code, len(self._still.bodies))
-        labels = f"{arm.name} {self._tools[arm.name][number].name}", self._still.bodies[g].label
+        number, g = divmod(code, len(self._surroundings.bodies))
+        labels = (
+            f"{arm.name} {self._tools[arm.name][number].name}",
+            self._surroundings.bodies[g].label,
+        )
         return labels, float(far[k])
 
     def _slowly(self, arm: Arm, hands: Hands, number: int, grasp: int) -> Fit:
         """Where a body is not convex, so that compiled code does not know it."""
-        T_world_part = self._still.detections[number].T_world_part
+        T_world_part = self._surroundings.detections[number].T_world_part
         refusal: Fit | None = None
         for w in range(int(hands.first[grasp]), int(hands.first[grasp + 1])):
             T_world_flange = T_world_part * pin.SE3(hands.R[w], hands.p[w])
@@ -206,30 +209,30 @@ class ToolCheck:
         return refusal
 
     def _press(self, arm: Arm, number: int) -> float:
-        part = self._still.detections[number].part
-        return closed_press(arm.tool, self._still.cell.part(part))
+        part = self._surroundings.detections[number].part
+        return closed_press(arm.tool, self._surroundings.cell.part(part))
 
     def _places(self, numbers: Sequence[int], hands: Hands, around: Around) -> Places:
         """Where parts of a kind lie, and what stands so near that a hand at them might meet it."""
-        poses = [self._still.detections[number].T_world_part for number in numbers]
+        poses = [self._surroundings.detections[number].T_world_part for number in numbers]
         ps = np.array([T.translation for T in poses])
         solids = np.linalg.norm(around.p_tool, axis=1) + around.radius
         # Farther than this nothing of the tool is from the part.
         reach = float(np.linalg.norm(hands.p, axis=1).max(initial=0.0) + solids.max(initial=0.0))
         reach += float(hands.opening.max(initial=0.0)) / 2 + self._margin
-        near = [np.flatnonzero(self._still.gaps(p) < reach) for p in ps]
+        near = [np.flatnonzero(self._surroundings.gaps(p) < reach) for p in ps]
         return Places(
             np.array([T.rotation for T in poses]),
             ps,
             np.array(numbers),
-            np.array([int(np.argmax(self._still.owner == number)) for number in numbers]),
+            np.array([int(np.argmax(self._surroundings.owner == number)) for number in numbers]),
             np.concatenate(near),
             np.cumsum([0, *map(len, near)]),
         )
 
-    def _surroundings(self, arm: Arm) -> Around:
+    def _around_arm(self, arm: Arm) -> Around:
         if arm.name not in self._around:
-            self._around[arm.name] = self._still.around(
+            self._around[arm.name] = self._surroundings.around(
                 [
                     (tool.solid.shape, tool.T_flange_body, tool.direction)
                     for tool in self._tools[arm.name]

@@ -250,7 +250,7 @@ def _unfit(grasp: Grasp, arm: Arm, part: Part) -> Verdict | None:
         note = VerdictNote.STROKE(opening=grasp.opening, low=low, high=high)
         if part.tolerance:
             note = VerdictNote.STROKE_AND_TOLERANCE(stroke=note, room=2 * part.tolerance)
-        return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, note=note)
+        return Verdict(Reason.OUT_OF_STROKE, Stage.PROPOSE, note=note)
     return None
 
 

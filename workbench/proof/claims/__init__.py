@@ -4,11 +4,11 @@ Imports `model`, and `engine` for distances.  Read in this order:
 
 - `prove`: the list of all claims
 - `form`: cell, scene, joints
-- `timing`: speeds, accelerations, jerk
-- `grasps`, `places`, `tolerances`: how hands take parts, and where they put them
-- `scene`: the bodies
-- `stages`, `motion`: every way in which a plan may be executed
 - `table`: which pairs keep which distance
-- `walk`: the plan from its first step to its last
+- `stages`, `walk`: what moves in each stage of a leg, from the first step to the last
+- `scene`: the bodies
+- `motion`: every path that a controller may make of waypoints
+- `grasps`, `places`, `tolerances`: how hands take parts, and where they put them
+- `timing`: speeds, accelerations, jerk
 - `spot`: the place that a violation names, for people
 """

@@ -122,7 +122,7 @@ def put_at(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> pin.SE3:
 
 
 def stages_of(
-    cell: Cell, tree: Tree, step: MovingStep, arm_motion: MovingArm, left_at: int
+    cell: Cell, tree: Tree, step: MovingStep, arm_motion: MovingArm, cleared_at: int
 ) -> Iterator[LegStage]:
     """The stages of one leg.
 
@@ -131,7 +131,7 @@ def stages_of(
         tree: of its robot.
         step: that the leg belongs to.
         arm_motion: the leg.
-        left_at: on the way home, the waypoint from which on the hand has left the part.
+        cleared_at: on the way home, the waypoint from which on the hand has left the part.
     """
     name, now = arm_motion.leg.name, situation_of(tree, step, arm_motion)
     sets = _way_of(cell, tree, arm_motion)
@@ -140,16 +140,16 @@ def stages_of(
         yield LegStage(first, now, comes_off=True)
         yield LegStage(rest, now)
     elif name == "home":
-        is_left = np.arange(len(arm_motion.path)) >= left_at
-        yield LegStage(sets.after(~is_left), now, leaves=True)
-        yield LegStage(sets.after(is_left), now)
+        has_cleared = np.arange(len(arm_motion.path)) >= cleared_at
+        yield LegStage(sets.after(~has_cleared), now, leaves=True)
+        yield LegStage(sets.after(has_cleared), now)
     else:
         yield LegStage(sets, now)
     if name in ("approach", "place") and arm_motion.arm.tool.fingers:
         fingers = np.zeros(tree.model.nq, bool)
         fingers[tree.columns[arm_motion.arm.name][len(arm_motion.arm.joints) :]] = True
-        lets_go = replace(now, moves=fingers, lets_go=arm_motion.plan.detection)
-        yield LegStage(fingers_of(tree, arm_motion), lets_go)
+        fingers_move = replace(now, moves=fingers, fingers_move_at=arm_motion.plan.detection)
+        yield LegStage(fingers_of(tree, arm_motion), fingers_move)
 
 
 def situation_of(tree: Tree, step: MovingStep, *ones: MovingArm) -> Situation:
@@ -167,7 +167,7 @@ def situation_of(tree: Tree, step: MovingStep, *ones: MovingArm) -> Situation:
     (arm_motion,) = ones
     return replace(
         now,
-        straight=arm_motion.arm.name if arm_motion.leg.name in NEAR_MARGIN_LEGS else "",
+        near_arm=arm_motion.arm.name if arm_motion.leg.name in NEAR_MARGIN_LEGS else "",
         target=arm_motion.plan.detection if arm_motion.leg.name == "approach" else -1,
         placed_now=arm_motion.plan.detection if arm_motion.leg.name == "place" else -1,
     )

@@ -5,8 +5,8 @@
 | two bodies that nothing that moves moves against each other | is not compared |
 | links that the robot's description says need no check | is not compared |
 | link or tool and another link or tool of the same arm | `self_margin` |
-| held part and a link of the arm that holds it | `margin`, on straight legs `near_margin` |
-| tool or held part, on a straight leg, and what no arm carries | `near_margin` |
+| held part and a link of the arm that holds it | `margin`, on approach and extract `near_margin` |
+| tool or held part, on approach and extract, and what no arm carries | `near_margin` |
 | tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
 | closing or opening fingers and the part they take or let go | is not compared |
 | lifted part and what it lies on, over the first `release` | as at the start, less 0.5 mm |
@@ -53,18 +53,19 @@ class Situation:
     """What is true during a stage of a leg.
 
     `moves` (nq,): which values of the configuration change.  `held`: detection -> name of the arm
-    that holds it; `placed`: detection -> arm that has put it where it lies.  `straight`: the arm
-    on a straight leg, empty for none.  `target`: the detection that its tool is about to take.
-    `lets_go`: the detection around which fingers close or open now; contacts with it are not
-    compared then.  `placed_now`: the detection that is on its last straight motion to its place.
+    that holds it; `placed`: detection -> arm that has put it where it lies.  `near_arm`: the arm
+    on approach or extract, empty for none.  `target`: the detection that its tool is about to
+    take.  `fingers_move_at`: the detection around which fingers close or open now; contacts with
+    it are not compared then.  `placed_now`: the detection that is on its last straight motion to
+    its place.
     """
 
     moves: Bools
     held: Mapping[int, str] = field(default_factory=dict[int, str])
     placed: Mapping[int, str] = field(default_factory=dict[int, str])
-    straight: str = ""
+    near_arm: str = ""
     target: int = -1
-    lets_go: int = -1
+    fingers_move_at: int = -1
     placed_now: int = -1
 
 
@@ -115,8 +116,8 @@ class PairTable(BodyPairs):
         against = moved @ (1.0 - above).T > 0.0
         of = joints + len(above) * self.rounds
         counts = against[of[a], joints[b]] | against[of[b], joints[a]]
-        if now.lets_go >= 0:
-            part = self._part == now.lets_go
+        if now.fingers_move_at >= 0:
+            part = self._part == now.fingers_move_at
             counts &= ~((part[a] & self._finger[b]) | (part[b] & self._finger[a]))
         rows = np.flatnonzero(counts)
         a, b = a[rows], b[rows]
@@ -127,19 +128,19 @@ class PairTable(BodyPairs):
         margins = np.full(len(rows), policy.margin)
         margins[own & ~is_held[a] & ~is_held[b]] = policy.self_margin
         beds = np.zeros(len(rows), bool)
-        if now.straight:
-            number = self._arm_numbers[now.straight]
+        if now.near_arm:
+            number = self._arm_numbers[now.near_arm]
             works = (self._tool | is_held) & (carrier == number)
             near = (works[a] & still[b]) | (works[b] & still[a]) | (own & (is_held[a] | is_held[b]))
             margins[near] = policy.near_margin
             tool, target = self._tool & (carrier == number), self._part == now.target
             if now.target >= 0:
                 arrives = (tool[a] & target[b]) | (tool[b] & target[a])
-                margins[arrives] = -_press(self._cell.arm(now.straight))
+                margins[arrives] = -_press(self._cell.arm(now.near_arm))
             lifted = is_held & (holder == number)
             beds = (lifted[a] & still[b]) | (lifted[b] & still[a])
-        left = (placer[a] >= 0) & (placer[a] == carrier[b])
-        left |= (placer[b] >= 0) & (placer[b] == carrier[a])
+        released = (placer[a] >= 0) & (placer[a] == carrier[b])
+        released |= (placer[b] >= 0) & (placer[b] == carrier[a])
         arms = np.stack([carrier[a], carrier[b]], axis=1)
         shown = ~own & ~beds
         if now.target >= 0:
@@ -149,7 +150,7 @@ class PairTable(BodyPairs):
             are_mates = mates[a, b] | mates[b, a]
             margins[are_mates] = clearance
             shown &= ~are_mates
-        return Pairs(rows, margins, commons, beds, left, arms, shown)
+        return Pairs(rows, margins, commons, beds, released, arms, shown)
 
     def _mates(self, number: int) -> tuple[Bools, float]:
         """Pairs of bodies (b, b) of a part and the one it comes onto, and what they keep [m]."""

@@ -128,31 +128,31 @@ class Walk:
     def _alone(self, step: MovingStep, arm_motion: MovingArm) -> None:
         """An arm on its leg against everything but arms that move meanwhile."""
         others = [self._numbers[other.arm.name] for other in step.moving if other is not arm_motion]
-        left_at = 0
+        cleared_at = 0
         if arm_motion.leg.name == "home":
-            left_at = self._left_at(step, arm_motion)
-            if left_at:
-                out = np.asarray(arm_motion.leg.q[: left_at + 1])
+            cleared_at = self._cleared_at(step, arm_motion)
+            if cleared_at:
+                out = np.asarray(arm_motion.leg.q[: cleared_at + 1])
                 reach = part_reach(self._cell, self._tree, self._plan, arm_motion.plan)
                 self._violations += straight_violations(
                     self._tree, arm_motion.arm, "home", out, reach=reach
                 )
         now, all_pairs = None, None
-        for stage in stages_of(self._cell, self._tree, step, arm_motion, left_at):
+        for stage in stages_of(self._cell, self._tree, step, arm_motion, cleared_at):
             if all_pairs is None or stage.now is not now:
                 now, all_pairs = stage.now, self._pairs(stage.now)
                 for other in others:
                     is_other = all_pairs.between(self._numbers[arm_motion.arm.name], other)
                     all_pairs = all_pairs.among(~is_other)
             # How near a hand stays to the part that it has put down is not worth showing.
-            pairs = all_pairs.hiding(all_pairs.left)
+            pairs = all_pairs.hiding(all_pairs.released)
             if stage.comes_off or stage.leaves:
                 pairs = self._as_it_begins(step, arm_motion, stage, pairs)
             self._ask(step, arm_motion, ((stage.sets, *waiting_fingers(self._tree, step)),), pairs)
 
     def _pairs(self, now: Situation) -> Pairs:
         """The pairs of a situation of the step that was put last; the same are asked for often."""
-        key = now.moves.tobytes(), now.straight, now.target, now.lets_go, now.placed_now
+        key = now.moves.tobytes(), now.near_arm, now.target, now.fingers_move_at, now.placed_now
         if key not in self._known:
             self._known[key] = self._table.pairs(now, self._space.joints)
         return self._known[key]
@@ -162,7 +162,7 @@ class Walk:
     ) -> Pairs:
         """Pairs with what they have to keep where they may begin closer than otherwise."""
         near, sink = self._cell.policy.near_margin, self._cell.policy.sink
-        margins, may_touch = pairs.margins.copy(), pairs.beds if stage.comes_off else pairs.left
+        margins, may_touch = pairs.margins.copy(), pairs.beds if stage.comes_off else pairs.released
         self._space.look(self._with(step, arm_motion, arm_motion.path[0]))
         for k in np.flatnonzero(may_touch).tolist():
             distance = self._space.distance(int(pairs.rows[k]))
@@ -177,14 +177,14 @@ class Walk:
                 self._violations.append(self._violation(arm_motion, state, problem))
         return pairs.keeping(margins)
 
-    def _left_at(self, step: MovingStep, arm_motion: MovingArm) -> int:
+    def _cleared_at(self, step: MovingStep, arm_motion: MovingArm) -> int:
         """The first waypoint of the way home at which the hand has left the part.
 
         It keeps its margin from there on.  However wide the fingers are open, it has not left a
         part that they would meet if they closed.
         """
         pairs = self._pairs(situation_of(self._tree, step, arm_motion))
-        rows = pairs.rows[pairs.left]
+        rows = pairs.rows[pairs.released]
         away = self._cell.policy.margin + ROOM
         for number, values in enumerate(arm_motion.path):
             self._space.look(self._with(step, arm_motion, values))

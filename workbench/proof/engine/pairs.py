@@ -23,16 +23,16 @@ class Pairs:
     """The pairs (p,) that count in a situation, as rows of `BodyPairs`.
 
     `margins` (p,) [m] are to be kept; `commons` (p,) is the joint next to both that moves both,
-    0 for none.  `beds` are pairs of a lifted part and what it may lie on, `left` those of an arm
-    and the part it has placed.  `arms` (p, 2) are those that carry the two, -1 for none.  `shown`:
-    their distance is worth showing; that of an arm's own links is not.
+    0 for none.  `beds` are pairs of a lifted part and what it may lie on, `released` those of an
+    arm and the part it has placed.  `arms` (p, 2) are those that carry the two, -1 for none.
+    `shown`: their distance is worth showing; that of an arm's own links is not.
     """
 
     rows: Ints
     margins: Floats
     commons: Ints
     beds: Bools
-    left: Bools
+    released: Bools
     arms: Ints
     shown: Bools
 

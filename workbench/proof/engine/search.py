@@ -289,10 +289,10 @@ class _Search:
                 lower_bounds[n], planes(close.items[n], way, asked, *compiled)
             )
         # What is no number is not far enough, here and below.
-        is_left = ~(lower_bounds >= self._needs(which, at)) & (close.moves > self._fine[which])
-        is_reported = asked.shown[which] & ~is_left
+        is_undecided = ~(lower_bounds >= self._needs(which, at)) & (close.moves > self._fine[which])
+        is_reported = asked.shown[which] & ~is_undecided
         np.minimum.at(self.found.bounds, at[is_reported], lower_bounds[is_reported])
-        return close.items[is_left]
+        return close.items[is_undecided]
 
     def _needs(self, which: Ints, at: Ints) -> Floats:
         """Bounds (n,) [m] that are enough for pairs (n,) after waypoints (n,)."""

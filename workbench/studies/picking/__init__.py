@@ -1,4 +1,1 @@
-"""Outcome of each part of a pile: direct, station, handover.
-
-`picks` plans seeded piles and counts; `exchanges` searches for handovers in the air.
-"""
+"""Seeded piles planned, and what came of each part: direct, over a station, or why not."""

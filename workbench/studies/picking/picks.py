@@ -21,7 +21,6 @@ from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, silent
 from workbench.studies.cases import percentiles
-from workbench.studies.picking.exchanges import WORDS, Exchanges
 
 REGRASPED, HANDED_OVER = "ok over a station (regrasp)", "ok over a station (hand over)"
 """Of parts that the same arm takes anew from a station, and that the other one does."""
@@ -37,7 +36,6 @@ def measure(
     seed: int = 0,
     strategy: str = "auto",
     planner: str | None = None,
-    air: bool = False,
     report: Report = silent,
 ) -> dict[str, Any]:
     """Plan every pile once; times [s] per stage, what came of it, and of each part of the piles.
@@ -51,7 +49,6 @@ def measure(
         seed: of the first pile; the others follow.
         strategy: see `model.derived.by_recipe.check_strategy`.
         planner: of the free legs; the cell's when None.
-        air: also search, for parts that have no place by themselves, for a handover in the air.
         report: progress.
     """
     cell = read_cell(cell_name)
@@ -63,7 +60,6 @@ def measure(
     seconds: dict[str, list[float]] = {stage: [] for stage in STAGES}
     cycles: list[float] = []
     fates: Counter[str] = Counter()
-    exchanged: Counter[str] = Counter()
     for number, (pile_seed, pile) in enumerate(zip(seeds, piles, strict=True)):
         report(number / scenes, f"pile {pile_seed}")
         began = working_time()
@@ -71,12 +67,10 @@ def measure(
             cell, pile, "study", strategy=strategy, overrides=overrides, seed=pile_seed
         )
         whole = working_time() - began
-        direct = found = list(fates_of(result.candidates, len(pile)))
+        found = list(fates_of(result.candidates, len(pile)))
         if cell.stations:
             found = list(with_stations(cell, pile, result, found, pile_seed, overrides))
         fates.update(found)
-        if air:
-            exchanged.update(in_the_air(cell, pile, direct, found, pile_seed))
         for stage, value in result.seconds.items():
             seconds[stage].append(value)
         if result.plan is None or result.proof is None:
@@ -86,8 +80,7 @@ def measure(
             outcome = f"{result.plan.strategy}, {len(result.plan.arms)} part(s), {proven}"
             cycles.append(result.plan.cycle_seconds)
         seconds.setdefault(outcome, []).append(whole)
-    measured = {"seconds": seconds, "cycle_seconds": cycles, "parts": dict(fates.most_common())}
-    return {**measured, "air": dict(exchanged.most_common())} if air else measured
+    return {"seconds": seconds, "cycle_seconds": cycles, "parts": dict(fates.most_common())}
 
 
 def fates_of(candidates: Sequence[Candidate], parts: int) -> Iterator[str]:
@@ -131,16 +124,6 @@ def with_stations(
             note = over.verdict.note
             said = None if note is None else note.part(StationNote.NOT_OVER)
             yield fate if said is None else f"{fate}: {said.args['why']}"
-
-
-def in_the_air(
-    cell: Cell, pile: tuple[Detection, ...], direct: Sequence[str], fates: Sequence[str], seed: int
-) -> Iterator[str]:
-    """Of each part that is not placed directly, its fate and what came of it in the air."""
-    exchanges = Exchanges(cell, pile, seed)
-    for number, (first, fate) in enumerate(zip(direct, fates, strict=True)):
-        if first != Reason.OK:
-            yield f"{fate}; in the air: {WORDS[exchanges.try_exchange(number)]}"
 
 
 def rows(measured: dict[str, Any]) -> list[dict[str, Any]]:
