@@ -53,7 +53,7 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
 
     camera = first_look(screen.page, bench.state.cell)
     highest = int(np.argmax([one.T_world_part.translation[2] for one in found]))
-    middle = bench.state.cell.part(found[highest].part).middle
+    middle = bench.state.cell.part(found[highest].part).mesh.middle
     screen.page.mouse.click(*camera.pixel(found[highest].T_world_part.act(middle)))
     expect(rows.nth(highest)).to_have_attribute("style", re.compile("wb-chosen"))
 

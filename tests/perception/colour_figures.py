@@ -40,7 +40,7 @@ def drawn_light(seed: int) -> Light:
 
 def is_right(one: Detection, truth: tuple[Detection, ...], kinds: tuple[Part, ...]) -> bool:
     """Whether kind, or the end that is painted, is that of the part which lies there."""
-    middle = kinds[0].middle
+    middle = kinds[0].mesh.middle
     off = [np.linalg.norm(t.T_world_part.act(middle) - one.T_world_part.act(middle)) for t in truth]
     true = truth[int(np.argmin(off))]
     if min(off) > NEAR:

@@ -27,6 +27,7 @@ class Reason(enum.StrEnum):
     OUT_OF_STROKE = "out of stroke"
     TOOL_COLLISION = "tool collision"
     ROLL_UNKNOWN = "roll unknown"
+    TILTED = "tilted"
     OUT_OF_REACH = "out of reach"
     IN_COLLISION = "in collision"
     APPROACH_BLOCKED = "approach blocked"

@@ -151,6 +151,11 @@ class Mesh:
             triangles=frozen(self.triangles, np.int32).reshape(-1, 3),
         )
 
+    @property
+    def middle(self) -> Floats:
+        """Of the box around it (3,) [m]."""
+        return (self.points.min(axis=0) + self.points.max(axis=0)) / 2
+
 
 Shape = Box | Cylinder | Capsule | Sphere | Mesh
 

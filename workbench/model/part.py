@@ -278,7 +278,7 @@ class Bin:
         """
         if self.has_walls and not self.regions:
             return True
-        p_bin = self.T_world_bin.actInv(T_world_part).act(part.middle)
+        p_bin = self.T_world_bin.actInv(T_world_part).act(part.mesh.middle)
         if self.regions:
             return any(region.near(p_bin[None])[0] for region in self.regions)
         return bool((np.abs(p_bin[:2]) <= self.size[:2] / 2).all())
@@ -316,6 +316,7 @@ class Part(Shared, FactsRepr):
     `friction`, no unit, is that against what holds it, `tolerance` [m] how far its surface may lie
     off the mesh; None where not stated.  `colours` (m, 3) of triangles, 0 to 255 in sRGB, decide
     between kinds or turns.  It is `scale` times as large as its file, and `offset` [m] outside.
+    While it is carried, `upright` (3,) is at most `tilt` [rad] from vertical; None: it may turn.
     """
 
     name: str
@@ -329,31 +330,30 @@ class Part(Shared, FactsRepr):
     tolerance: float | None = field(default_factory=lambda: None, metadata=LATER)
     scale: float = field(default_factory=lambda: 1.0, metadata=LATER)
     offset: float = field(default_factory=float, metadata=LATER)
+    upright: Floats | None = field(default_factory=lambda: None, metadata=LATER)
+    tilt: float = field(default_factory=float, metadata=LATER)
     digest: str = field(init=False, repr=False)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
     def __post_init__(self) -> None:
         if self.colours is not None:
-            shape, triangles = np.shape(self.colours), self.mesh.triangles
-            if shape != triangles.shape:
-                given = {"part": self.name, "triangles": len(triangles), "shape": str(shape)}
+            shape, count = np.shape(self.colours), len(self.mesh.triangles)
+            if shape != (count, 3):
+                given = {"part": self.name, "triangles": count, "shape": str(shape)}
                 raise InputError(CellText.TRIANGLE_COLOURS(**given))
             put(self, colours=frozen(self.colours, np.uint8))
+        if self.upright is not None:
+            put(self, upright=frozen(self.upright / np.linalg.norm(self.upright)))
         authored = with_symmetry(self.library, self.symmetry)
         grasps = tuple(widen_grasp(grasp, self.tolerance) for grasp in authored)
         put(self, digest=digest_of(self), grasps=grasps)
 
     @property
-    def middle(self) -> Floats:
-        """Of the box around its mesh (3,) [m], in its frame."""
-        return (self.mesh.points.min(axis=0) + self.mesh.points.max(axis=0)) / 2
-
-    @property
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
         size = " x ".join(f"{side * 1000:.0f}" for side in np.ptp(self.mesh.points, axis=0))
-        grasps, triangles = len(self.grasps), len(self.mesh.triangles)
-        return {"name": self.name, "mm": size, "grasps": grasps, "triangles": triangles}
+        counts = {"grasps": len(self.grasps), "triangles": len(self.mesh.triangles)}
+        return {"name": self.name, "mm": size, **counts}
 
 
 def grasps_of(entry: Entry) -> tuple[Grasp, ...]:

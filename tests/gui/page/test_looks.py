@@ -94,7 +94,7 @@ def test_a_click_on_a_part_chooses_it_and_one_beside_it_chooses_none(visitor, st
     found = states.localized.detections
     down = np.array([0.0, 0.0, -1.0])
     for number, part in enumerate(found):
-        middle = states.localized.cell.part(part.part).middle
+        middle = states.localized.cell.part(part.part).mesh.middle
         above = part.T_world_part.act(middle) + np.array([0.0, 0.0, 0.5])
         looks._take_click(above, down, 10.0 * number)
         assert visitor.own.now.pointed is part

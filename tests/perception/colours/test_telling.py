@@ -19,9 +19,11 @@ COLD = Light(np.array([0.9, 1.0, 1.15]) * 1.3, ambient=0.5, noise=0.01)
 
 def pairs(cell, truth, found):
     """Each part found with the one that lies there."""
-    middles = np.array([one.T_world_part.act(cell.part(one.part).middle) for one in truth])
+    middles = np.array([one.T_world_part.act(cell.part(one.part).mesh.middle) for one in truth])
     for one in found:
-        off = np.linalg.norm(middles - one.T_world_part.act(cell.part(one.part).middle), axis=1)
+        off = np.linalg.norm(
+            middles - one.T_world_part.act(cell.part(one.part).mesh.middle), axis=1
+        )
         assert off.min() < 0.003
         yield one, truth[int(off.argmin())]
 

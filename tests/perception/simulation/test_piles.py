@@ -124,7 +124,11 @@ def test_a_part_whose_origin_is_far_off_falls_like_others_and_is_unloaded_like_o
     way = [T, pin.SE3(T.rotation, T.translation + np.array([0.0, 0.0, 0.1]))]
     rest = unloaded(replace(cell, parts=(part,)), pile, 0, way)
     moved = [
-        float(np.linalg.norm(a.T_world_part.act(part.middle) - b.T_world_part.act(part.middle)))
+        float(
+            np.linalg.norm(
+                a.T_world_part.act(part.mesh.middle) - b.T_world_part.act(part.mesh.middle)
+            )
+        )
         for a, b in zip(rest, pile[1:], strict=True)
     ]
     assert np.median(moved) < 0.005

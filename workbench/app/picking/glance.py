@@ -31,8 +31,8 @@ from workbench.planning.picking.propose import (
     candidate_of,
     grasps_of,
     groups,
-    is_taken_there,
     levels_of,
+    refuse_where_it_lies,
     try_grasps,
 )
 from workbench.planning.picking.put_down import ways_at_places
@@ -121,8 +121,8 @@ def glance_at(world: World, *, avoided: Mapping[int, Message] = NOTHING, seed: i
             arms += [arm.name] * len(every)
             if number in avoided:
                 said += [(Reason.DISABLED, False)] * len(every)
-            elif not is_taken_there(world, number):
-                said += [(Reason.OUTSIDE_REGIONS, False)] * len(every)
+            elif refusal := refuse_where_it_lies(world, number):
+                said += [(refusal.reason, False)] * len(every)
             elif world.detections[number].roll_known:
                 said += [
                     reach[arm.name].describe(hands, n, number, k, g) for k, g in enumerate(every)

@@ -43,6 +43,9 @@ MOST_FRICTION = 5.0
 LONGEST_NAME = 60
 """Characters in the name of a grasp."""
 
+LEAST_TILT_DEG, MOST_TILT_DEG = 1.0, 85.0
+"""That a part which stays upright may have."""
+
 ROUNDED = 1e-5
 """What two directions may lack to a right angle: they are written with six digits."""
 
@@ -77,6 +80,7 @@ def read_part(name: str | Path, shape: tuple[float, float] | None = None) -> Par
     scale, offset = shape or (scale, offset)
     stated = mesh_table.has("tolerance_mm")
     off = mesh_table.number("tolerance_mm", 0.0, low=0.0, high=MOST_OFFSET) / 1000
+    upright, tilt = _upright(table.table("upright")) if table.has("upright") else (None, 0.0)
     mesh_table.finish()
     symmetry = _symmetry(table.table("symmetry")) if table.has("symmetry") else Symmetry()
     fixed = np.array(symmetry.point)
@@ -104,7 +108,7 @@ def read_part(name: str | Path, shape: tuple[float, float] | None = None) -> Par
         )
     return Part(
         part_name, mesh, pieces, mass, symmetry, library, friction, colours,
-        off if stated else None, scale, offset,
+        off if stated else None, scale, offset, upright, tilt,
     )  # fmt: skip
 
 
@@ -136,6 +140,14 @@ def _symmetry(table: Table) -> Symmetry:
     except InputError as error:
         raise table.error("also", str(error)) from None
     return symmetry
+
+
+def _upright(table: Table) -> tuple[Floats, float]:
+    """The axis (3,) that stays upright while the part is carried, and its largest tilt [rad]."""
+    axis = _direction(table, "axis", [0, 0, 1])
+    tilt = np.deg2rad(table.number("tilt_deg", low=LEAST_TILT_DEG, high=MOST_TILT_DEG))
+    table.finish()
+    return axis, float(tilt)
 
 
 def _axis(table: Table) -> SymmetryAxis:

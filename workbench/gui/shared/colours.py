@@ -21,6 +21,7 @@ VERDICTS: dict[Reason, str] = {
     Reason.OUT_OF_STROKE: "#a61e4d",
     Reason.TOOL_COLLISION: "#e03131",
     Reason.ROLL_UNKNOWN: "#1864ab",
+    Reason.TILTED: "#5f3dc4",
     Reason.OUT_OF_REACH: "#d1440c",
     Reason.IN_COLLISION: BAD,
     Reason.APPROACH_BLOCKED: "#b35c00",
@@ -32,8 +33,8 @@ VERDICTS: dict[Reason, str] = {
     Reason.WITHIN_MARGIN: BUSY,
 }
 """Green works, grey was not asked for, wine red fits no hand, red touches; orange and ochre get
-stuck on the way, violet finds none, cyan ran out of time, blue wants another scan; a margin is a
-warning."""
+stuck on the way, violet finds none or lies tilted, cyan ran out of time, blue wants another scan;
+a margin is a warning."""
 
 BRIGHT = 0.183
 """Luminance, 0 to 1, from which white letters have a contrast below 4.5."""

@@ -30,4 +30,4 @@ def assembled_pose(cell: Cell, obstacles: Sequence[Obstacle], part: str) -> pin.
 
 def rest_pose(cell: Cell, box: Obstacle) -> pin.SE3:
     """`T_world_part` of a part of an assembly, from the box around it."""
-    return box.T_world_box * pin.SE3(np.eye(3), -cell.part(box.part).middle)
+    return box.T_world_box * pin.SE3(np.eye(3), -cell.part(box.part).mesh.middle)

@@ -84,6 +84,8 @@ class ProofText(Text, subject="proof"):
 
     PLACES_NEED_ROLL = "its places need the roll of the part, which is not known"
     NOT_HELD = "does not hold the part if it is turned by {angle:deg0} about its axis"
+    TILTED = "the part is tilted by {tilt:deg1}; {most:deg1} are allowed"
+    TILTS_TOO_LONG = "the part is near its largest tilt for too long to be proven"
     TOO_DEEP_ANY_TURN = "a part lies too deep in its support at every turn: the pose found is wrong"
     STAYS_ON = "a part does not come off its support at every turn"
     TOO_DEEP = "a part lies too deep in its support: the pose found is wrong"

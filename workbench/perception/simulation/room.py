@@ -58,7 +58,7 @@ def around_frame(part: Part) -> tuple[Part, pin.SE3]:
     points = np.asarray(part.mesh.points)
     if np.all(points.min(axis=0) <= 0.0) and np.all(points.max(axis=0) >= 0.0):
         return part, pin.SE3.Identity()
-    away = pin.SE3(np.eye(3), -part.middle)
+    away = pin.SE3(np.eye(3), -part.mesh.middle)
     moved = replace(
         part,
         mesh=Mesh(points + away.translation, part.mesh.triangles),

@@ -77,7 +77,7 @@ def is_in_bin(bin: Bin, part: Part, T_world_part: pin.SE3) -> bool:
 
     Its frame may be at an edge, which sinks into the floor a little as it lies there.
     """
-    x, y, z = bin.T_world_bin.actInv(T_world_part).act(part.middle)
+    x, y, z = bin.T_world_bin.actInv(T_world_part).act(part.mesh.middle)
     length, width, _ = bin.size
     return bool(abs(x) <= length / 2 and abs(y) <= width / 2 and z >= 0.0)
 

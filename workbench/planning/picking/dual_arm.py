@@ -31,7 +31,14 @@ from workbench.planning.collision.motion import Curves, bound_curves, chain_cont
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import pace_of
 from workbench.planning.picking.order import Cost
-from workbench.planning.picking.route import MOTIONS, along_placed, arm_plan, hand_of, leg_of
+from workbench.planning.picking.route import (
+    MOTIONS,
+    along_placed,
+    arm_plan,
+    hand_of,
+    keep_upright,
+    leg_of,
+)
 from workbench.planning.picking.search import PathQuery, joint_weights, onward
 from workbench.planning.picking.synchronized_motion import in_step
 
@@ -244,7 +251,7 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
             among: np.ndarray = among,
             arm: str = task.plan.arm,
             way: ArmSweep = way,
-        ) -> tuple[Contact, Floats] | None:
+        ) -> tuple[Contact | None, Floats] | None:
             found = chain_contact(world, columns, base, curves, among=among)
             if found is not None:
                 return found[:2]
@@ -260,6 +267,7 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
             world.motion,
             world.deadline,
             pace=pace_of(chain, world.policy.speed),
+            upright=keep_upright(world, [task.plan], task.name),
         )
         with world.at_full_margins():
             path = onward(query, lead, goal, rng)

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell, Tool
+from workbench.model.derived.upright import leans_too_far
 from workbench.model.geometry import Floats, Solid
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Grasp, Part
@@ -185,10 +186,10 @@ def _candidates(
     turn = np.arccos(np.clip(cosine, -1.0, 1.0))
     ranks = (np.linalg.norm(p - T_home.translation, axis=2) + TURN_WEIGHT * turn).tolist()
     for n, number in enumerate(numbers):
-        outside = None if is_taken_there(world, number) else _OUTSIDE
+        refusal = refuse_where_it_lies(world, number)
         for k, grasp in enumerate(grasps):
             T_world_tcp, taken = pin.SE3(R[n, k], p[n, k]), grasp
-            verdict = outside or hands.refusals[k]
+            verdict = refusal or hands.refusals[k]
             if verdict is None:
                 fit = hands.fits[number, k]
                 verdict = _judge_fit(check, arm, grasp, T_world_tcp, fit)
@@ -200,13 +201,20 @@ def _candidates(
             yield Candidate(number, taken, arm.name, T_world_tcp, ranks[n][k], verdict)
 
 
-def is_taken_there(world: World, number: int) -> bool:
-    """Whether parts may be taken where one lies; always where a plan has put it on a station."""
+def refuse_where_it_lies(world: World, number: int) -> Verdict | None:
+    """Why a part may not be taken where it lies: outside the regions, or tilted too far.
+
+    One that a plan has put on a station may be taken wherever that is.
+    """
     detection = world.detections[number]
-    is_put_down = detection.T_world_found is not None
-    return is_put_down or world.cell.bin.gives(
-        world.cell.part(detection.part), detection.T_world_part
-    )
+    part, T = world.cell.part(detection.part), detection.T_world_part
+    if detection.T_world_found is None and not world.cell.bin.gives(part, T):
+        return _OUTSIDE
+    tilt = leans_too_far(part, detection, T.rotation)
+    if tilt is None:
+        return None
+    note = VerdictNote.LIES_TILTED(tilt=tilt, most=part.tilt)
+    return Verdict(Reason.TILTED, Stage.PROPOSE, note=note)
 
 
 def as_it_fits(arm: Arm, grasp: Grasp, fit: Fit) -> Grasp:

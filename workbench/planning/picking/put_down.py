@@ -12,6 +12,7 @@ import pinocchio as pin
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.derived.assembling import insertion_of
+from workbench.model.derived.upright import leans_too_far
 from workbench.model.geometry import Floats
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import DOWN, PLACE_LIFT, PartPlace
@@ -98,12 +99,12 @@ def _hands(world: World, arm: Arm, phase: LegPhase) -> Iterator[_Hands | Verdict
                 yield T_world_part
                 continue
             T_world_tcp = T_world_part * T_tcp_part.inverse()
-            stood = _standing_in(world, phase, arm, T_world_tcp)
+            stood = _refuse_standing(world, phase, arm, T_world_tcp)
             yield stood or _Hands([T_world_tcp], place.length * np.array(place.approach))
     for _, turned in groupby(arm.Ts_world_place, key=lambda T: tuple(T.translation)):
         free: list[pin.SE3] = []
         for T_world_tcp in (T * T_turn for T in turned for T_turn in hand_turns(arm.tool)):
-            stood = _standing_in(world, phase, arm, T_world_tcp)
+            stood = _refuse_standing(world, phase, arm, T_world_tcp)
             if stood is None:
                 free.append(T_world_tcp)
             else:
@@ -175,13 +176,21 @@ def _straight(
             yield Verdict(Reason.NO_PLACE, Stage.PLACE, pair, distance, met[1])
 
 
-def _standing_in(world: World, phase: LegPhase, arm: Arm, T_world_tcp: pin.SE3) -> Verdict | None:
-    """That the part in the hand would stand in something at a place, whatever the arm does.
+def _refuse_standing(
+    world: World, phase: LegPhase, arm: Arm, T_world_tcp: pin.SE3
+) -> Verdict | None:
+    """That the part in the hand would be tilted or in something at a place, whatever the arm does.
 
     Most places that do not work are refused by it, and it is cheap.
     """
     number, T_tcp_part = phase.held[arm.name]
-    label = world.part_ways.standing_in(number, T_world_tcp * T_tcp_part, world.policy.margin)
+    found = world.detections[number]
+    part, T_world_part = world.cell.part(found.part), T_world_tcp * T_tcp_part
+    tilt = leans_too_far(part, found, T_world_part.rotation)
+    if tilt is not None:
+        note = VerdictNote.TILTED_THERE(tilt=tilt, most=part.tilt)
+        return Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
+    label = world.part_ways.standing_in(number, T_world_part, world.policy.margin)
     if label is None:
         return None
     return Verdict(Reason.NO_PLACE, Stage.PLACE, (part_label(number), label))
@@ -224,7 +233,7 @@ def find_configurations_at_places(
             return PlaceConfigurations([], LATE)
         ways += 1
         T_world_tcp = T_world_part * T_tcp_part.inverse()
-        stood = _standing_in(world, phase, arm, T_world_tcp)
+        stood = _refuse_standing(world, phase, arm, T_world_tcp)
         if stood is not None:
             stands += 1
             met.append(stood)

@@ -36,6 +36,7 @@ from workbench.planning.collision.motion import RESOLUTION, path_contact
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.quickness import pace_of
+from workbench.planning.kinematics.upright import UprightLimit, Uprightness, upright_limit
 from workbench.planning.picking.put_down import PutDown, home_of, posture_of, put_down
 from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, onward
 from workbench.planning.planners.clock import working_time
@@ -160,7 +161,7 @@ def arm_plan(
         if name == "home" and len(lead) == 1:
             # The place is at home, the hand stays around the part.
             world.allow_start_contacts(world.configuration({arm.name: lead[0]}))
-        path = free_path(world, arm, lead, goal, rng)
+        path = free_path(world, arm, lead, goal, rng, keep_upright(world, [plan], name))
         if isinstance(path, Verdict):
             return path if name == "reach" else _refuse_later_leg(path, name)
         free.append(leg_of(world, arm, name, path, opening, hand_of(world, plan)))
@@ -273,8 +274,27 @@ def leg_of(
     return Leg(name, MOTIONS[name], name in HOLDING, opening, path, times)
 
 
+def keep_upright(world: World, plans: Sequence[ArmPlan], name: LegName) -> Uprightness | None:
+    """What keeps the parts upright that arms carry on a leg; None where nothing has to."""
+    if name not in HOLDING:
+        return None
+    limits: list[UprightLimit | None] = []
+    for plan in plans:
+        found = world.detections[plan.detection]
+        part, chain = world.cell.part(found.part), world.chains[plan.arm]
+        limits.append(upright_limit(chain, part, found, plan.T_tcp_part))
+    if not any(limits):
+        return None
+    return Uprightness(limits, [len(plan.joints) for plan in plans])
+
+
 def free_path(
-    world: World, arm: Arm, lead: Floats, goal: Floats, rng: np.random.Generator
+    world: World,
+    arm: Arm,
+    lead: Floats,
+    goal: Floats,
+    rng: np.random.Generator,
+    upright: Uprightness | None = None,
 ) -> Floats | Verdict:
     """A path of one arm in the world's present phase, rounded and checked as it will be run.
 
@@ -285,6 +305,7 @@ def free_path(
             are checked.
         goal: where it ends (n,).
         rng: of everything random.
+        upright: what keeps the part upright that it carries.
 
     Returns:
         Waypoints (m, n) [rad]; or why there are none, with the pair in the way when an end
@@ -306,5 +327,6 @@ def free_path(
         world.deadline,
         world.edges(columns, base, RESOLUTION),
         pace_of(chain, world.policy.speed),
+        upright=upright,
     )
     return onward(query, lead, goal, rng)

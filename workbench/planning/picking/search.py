@@ -9,15 +9,18 @@ import numpy as np
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Policy
 from workbench.model.geometry import Floats, Ints
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.motion import MotionModel
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.motion import Curves, bound_curves, chain_contact, segment
 from workbench.planning.collision.sweeping.edges import Edges
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import Pace
+from workbench.planning.kinematics.upright import Uprightness
 from workbench.planning.planners.asking import CompiledCheck
 from workbench.planning.planners.clock import processor_time
 from workbench.planning.planners.ease import ease_corners
+from workbench.planning.planners.projected import projected_planner
 from workbench.planning.planners.shorten import (
     merge_corners,
     resample,
@@ -40,8 +43,8 @@ def joint_weights(count: int, policy: Policy) -> Floats:
     return weights * math.sqrt(count / float(weights @ weights))
 
 
-Check = Callable[[Curves], tuple[Contact, Floats] | None]
-"""Whether a motion is clear: what is met and where, or None."""
+Check = Callable[[Curves], tuple[Contact | None, Floats] | None]
+"""Whether a motion is clear, None; or what is met, and where; nothing where a part is tilted."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,6 +62,7 @@ class PathQuery:
         edges: answer for straight motions what `check` would, where they are known.
         pace: of the joints; the path is made quicker by it, where it is known.
         planner: in the place of the policy's.
+        upright: what keeps parts upright that are carried.
     """
 
     check: Check
@@ -70,6 +74,20 @@ class PathQuery:
     edges: Edges | None = None
     pace: Pace | None = None
     planner: Planner | None = None
+    upright: Uprightness | None = None
+
+    def keeping_upright(self) -> "PathQuery":
+        """The same, in which a motion that tilts a part too far is not clear."""
+        upright, check = self.upright, self.check
+        if upright is None:
+            return self
+
+        def check_both(curves: Curves) -> tuple[Contact | None, Floats] | None:
+            tilted = upright.find_tilted(curves.points)
+            return check(curves) if tilted is None else (None, tilted)
+
+        planner = projected_planner(upright.project)
+        return replace(self, check=check_both, edges=None, planner=planner, upright=None)
 
 
 def search_path(
@@ -92,9 +110,10 @@ def search_path(
     Returns:
         Waypoints (m, n) [rad]; or why there are none, with what was met last.
     """
+    query = query.keeping_upright()
     policy, motion = query.policy, query.motion
     is_clear = edge_check(query.check, query.deadline, query.edges)
-    met: tuple[Contact, Floats] | None = None
+    met: tuple[Contact | None, Floats] | None = None
     try:
         for number in range(TRIES + 1):
             path = np.array([start, goal])  # straight ahead first
@@ -120,6 +139,8 @@ def search_path(
     if met is None:
         return Verdict(Reason.NO_PATH, Stage.ROUTE)
     contact, q = met
+    if contact is None:
+        return Verdict(Reason.NO_PATH, Stage.ROUTE, q=q, note=VerdictNote.WOULD_TILT())
     return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q)
 
 
@@ -152,7 +173,7 @@ class _Late(Exception):
 def curve_check(world: World, columns: Ints, base: Floats) -> Check:
     """Whether motions of the joints `columns` (n,) are clear, others at `base` (nq,) [rad, m]."""
 
-    def check(curves: Curves) -> tuple[Contact, Floats] | None:
+    def check(curves: Curves) -> tuple[Contact | None, Floats] | None:
         found = chain_contact(world, columns, base, curves, FINE)
         return None if found is None else found[:2]
 

@@ -14,7 +14,8 @@ from workbench.planning.collision.motion import RESOLUTION, bound_curves
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.quickness import Pace, pace_of
-from workbench.planning.picking.route import MOTIONS, hand_of
+from workbench.planning.kinematics.upright import Uprightness
+from workbench.planning.picking.route import MOTIONS, hand_of, keep_upright
 from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, onward
 from workbench.plugins.planner import Planner
 
@@ -45,7 +46,8 @@ def in_step(
         return None
     if MOTIONS[name] == "joint":
         with world.at_full_margins():
-            path = way_in_step(world, arms, lead, goal, rng)
+            upright = keep_upright(world, plans, name)
+            path = way_in_step(world, arms, lead, goal, rng, upright=upright)
         if isinstance(path, Verdict):
             return None
     else:
@@ -63,7 +65,9 @@ def way_in_step(
     lead: Floats,
     goal: Floats,
     rng: np.random.Generator,
+    *,
     planner: Planner | None = None,
+    upright: Uprightness | None = None,
 ) -> Floats | Verdict:
     """A free motion of all joints of several arms, in the phase that the world is in; see `onward`.
 
@@ -74,6 +78,7 @@ def way_in_step(
         goal: where it ends (n,) [rad].
         rng: of everything random.
         planner: in the place of the policy's.
+        upright: what keeps parts upright that they carry.
     """
     columns, base, policy = columns_of(world, arms), world.configuration({}), world.policy
     chains = [world.chains[arm] for arm in arms]
@@ -90,6 +95,7 @@ def way_in_step(
         world.edges(columns, base, RESOLUTION),
         pace_in_step(world, arms),
         planner,
+        upright,
     )
     return onward(query, lead, goal, rng)
 

@@ -16,6 +16,7 @@ from workbench.proof.claims.form import (
 from workbench.proof.claims.grasps.loads import load_violations
 from workbench.proof.claims.grasps.rolls import roll_violations
 from workbench.proof.claims.grasps.taking import grasp_violations, pair_violations
+from workbench.proof.claims.grasps.upright import upright_violations
 from workbench.proof.claims.places.layers import kept_box, pallet_violations
 from workbench.proof.claims.places.standing import standing_after
 from workbench.proof.claims.scene import filled_bin, turned_pieces
@@ -73,6 +74,7 @@ def prove(
         violations += [f for pick in picks for f in grasp_violations(cell, tree, plan, pick)]
         violations += [f for _, arm_plan in arms for f in load_violations(cell, plan, arm_plan)]
         violations += [f for pick in picks for f in roll_violations(cell, tree, plan, pick)]
+        violations += [f for pick in picks for f in upright_violations(cell, tree, plan, pick)]
         violations += pair_violations(cell, plan)
         violations += [
             f for pick in picks for f in pallet_violations(cell, tree, scene, plan, pick)

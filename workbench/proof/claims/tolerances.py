@@ -40,6 +40,9 @@ OFF_AXIS = 0.001
 """[m] Any point of a part: turned about the axis that was found, and about that of a symmetry or a
 place."""
 
+TILTED = np.deg2rad(0.1)
+"""[rad] A part that stays upright, and the tilt that it may have."""
+
 BETWEEN_TURNS = 0.001
 """[m] Any point of a part of unknown roll, from the nearest turn at which it is checked."""
 

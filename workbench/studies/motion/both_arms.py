@@ -126,7 +126,7 @@ class BothArms:
         began = processor_time()
         world.deadline = began + seconds
         other = RRT_CONNECT if planner == OMPL else None
-        found = way_in_step(world, self.arms, ends.start[None], ends.goal, rng, other)
+        found = way_in_step(world, self.arms, ends.start[None], ends.goal, rng, planner=other)
         used = processor_time() - began
         if isinstance(found, Verdict):
             return PlanningAttempt(planner, ends, used, None, None)
