@@ -10,5 +10,5 @@ def test_parts_without_grasps_have_no_plan_and_the_verdict_says_why(cell, sample
     bare = with_part(cell, "peg", library=GraspLibrary())
     result = plan_pick(bare, samples.detections(), "scan")
     assert (result.plan, result.candidates) == (None, ())
-    assert (result.verdict.reason, result.verdict.stage) == (Reason.DISABLED, Stage.PROPOSE)
+    assert (result.verdict.reason, result.verdict.stage) == (Reason.NO_GRASP, Stage.PROPOSE)
     assert "no grasp" in str(result.verdict)

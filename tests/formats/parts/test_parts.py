@@ -63,6 +63,35 @@ def test_grasps_are_counted_with_the_symmetry(folder: Path) -> None:
         read_part(folder)
 
 
+def test_what_stays_upright_is_read_and_changes_the_digest(folder: Path) -> None:
+    plain = read_part(folder)
+    assert plain.upright is None
+    path = folder / "part.toml"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text + "\n[upright]\naxis = [0, 0, -2]\ntilt_deg = 10\n", encoding="utf-8")
+    stated = read_part(folder)
+    assert stated.upright is not None and stated.upright.tolist() == [0.0, 0.0, -1.0]
+    assert stated.tilt == pytest.approx(np.deg2rad(10)) and stated.digest != plain.digest
+
+
+@pytest.mark.parametrize(
+    ("keys", "wrong"),
+    [
+        ("tilt_deg = 0", "tilt_deg"),
+        ("tilt_deg = 90", "tilt_deg"),
+        ("axis = [0, 0, 1]", "tilt_deg"),
+        ("tilt_deg = 10\naxis = [0, 0, 0]", "axis"),
+        ("tilt_deg = 10\nup = 1", "up"),
+    ],
+)
+def test_a_wrong_tilt_is_one_sentence(folder: Path, keys: str, wrong: str) -> None:
+    path = folder / "part.toml"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text + f"\n[upright]\n{keys}\n", encoding="utf-8")
+    with pytest.raises(FileError, match=wrong):
+        read_part(folder)
+
+
 def test_friction_is_read_and_changes_the_digest_only_where_it_is_stated(folder: Path) -> None:
     plain = read_part(folder)
     assert plain.friction is None

@@ -21,7 +21,7 @@ from workbench.formats.cells.tools import LOAD_KEYS
 from workbench.formats.files.shipped import find
 from workbench.formats.files.toml_keys import NOTES, Notes, Table
 from workbench.formats.meshes.solids import read_solid
-from workbench.formats.parts.reading import library_of, read_part
+from workbench.formats.parts.reading import library_of, read_part, read_upright
 from workbench.formats.robots.dh import read_dh
 from workbench.plugins.found import Group, load, names
 from workbench.plugins.options import schema_of
@@ -163,6 +163,8 @@ def part_schema() -> dict[str, Any]:
         for name in ("keyed_cylinder", "puck"):
             read_part(name)
         _read_solids()
+        read_upright(Table(Path("part.toml"), {"tilt_deg": 10}, "upright."))
+    notes["upright"] = {"type": "object", "required": False}
     mine = ("grasp", "pair", "search", "tool", "fixture")
     return _object({place: form for place, form in notes.items() if _top(place) not in mine}, "")
 

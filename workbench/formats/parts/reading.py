@@ -80,7 +80,7 @@ def read_part(name: str | Path, shape: tuple[float, float] | None = None) -> Par
     scale, offset = shape or (scale, offset)
     stated = mesh_table.has("tolerance_mm")
     off = mesh_table.number("tolerance_mm", 0.0, low=0.0, high=MOST_OFFSET) / 1000
-    upright, tilt = _upright(table.table("upright")) if table.has("upright") else (None, 0.0)
+    upright, tilt = read_upright(table.table("upright")) if table.has("upright") else (None, 0.0)
     mesh_table.finish()
     symmetry = _symmetry(table.table("symmetry")) if table.has("symmetry") else Symmetry()
     fixed = np.array(symmetry.point)
@@ -142,8 +142,12 @@ def _symmetry(table: Table) -> Symmetry:
     return symmetry
 
 
-def _upright(table: Table) -> tuple[Floats, float]:
-    """The axis (3,) that stays upright while the part is carried, and its largest tilt [rad]."""
+def read_upright(table: Table) -> tuple[Floats, float]:
+    """The axis (3,) that stays upright while the part is carried, and its largest tilt [rad].
+
+    Raises:
+        FileError: names the key that is wrong.
+    """
     axis = _direction(table, "axis", [0, 0, 1])
     tilt = np.deg2rad(table.number("tilt_deg", low=LEAST_TILT_DEG, high=MOST_TILT_DEG))
     table.finish()

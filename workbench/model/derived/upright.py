@@ -1,10 +1,16 @@
-"""Parts that stay upright while they are carried: which axis counts, and how far it is tilted."""
+"""Parts that stay upright while they are carried: which axis counts, and how far it may tilt."""
 
 import numpy as np
 
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.model.scan import Detection
+
+SAME = 1e-6
+"""Directions whose cosine is by so much from 1 are one."""
+
+STEPS = 24
+"""Turns of a round part among which one that turns it upside down is looked for."""
 
 
 def tilt_from_vertical(axis: Floats) -> float:
@@ -15,29 +21,36 @@ def tilt_from_vertical(axis: Floats) -> float:
 def tilting_axis(part: Part, found: Detection) -> tuple[Floats, float]:
     """The axis (3,) of a part whose tilt counts, in its frame, and how far that may go [rad].
 
-    It is the part's own, with its limit.  Where nobody knows how far the part is turned about
-    another axis, it is that one: the part's own axis leans from it by a fixed angle to some side,
-    so the limit is less by that angle.  Less than nothing means that no pose is upright for sure.
+    It is the part's own, with its limit.  Of a part that looks the same upside down it is the end
+    that points up where it lies.  Where nobody knows how far the part is turned about another
+    axis, it is that one: the part's own axis leans from it to some side, so the limit is less by
+    that angle.  A limit below 0 means that no pose is upright for sure.
     """
     assert part.upright is not None
-    if found.roll_known:
-        return part.upright, part.tilt
-    roll = part.symmetry.axis if found.roll_axis is None else found.roll_axis[1]
-    roll = np.asarray(roll) / np.linalg.norm(roll)
-    cosine = float(roll @ part.upright)
-    if cosine < 0.0:
-        roll, cosine = -roll, -cosine
-    lean = float(np.arctan2(np.linalg.norm(np.cross(roll, part.upright)), cosine))
-    return roll, part.tilt - lean
+    axis, most = np.asarray(part.upright), part.tilt
+    if not found.roll_known:
+        roll = np.asarray(part.symmetry.axis if found.roll_axis is None else found.roll_axis[1])
+        roll = roll / np.linalg.norm(roll)
+        along = float(roll @ axis)
+        most -= float(np.arctan2(np.linalg.norm(np.cross(roll, axis)), abs(along)))
+        axis = roll if along >= 0.0 else -roll
+    if found.T_world_part.rotation[2] @ axis < 0.0 and _is_alike_upside_down(part):
+        axis = -axis
+    return axis, most
 
 
 def leans_too_far(part: Part, found: Detection, R_world_part: Floats) -> float | None:
-    """By how much a part is tilted [rad] in an orientation (3, 3) in which it is not upright.
+    """How far a part is tilted [rad] in an orientation (3, 3) in which it is not upright.
 
-    None where it is upright, or need not be.  Where nobody knows its roll, the largest tilt of all.
+    None where it is upright, or need not be.  Where nobody knows its roll, the most that it may be.
     """
     if part.upright is None:
         return None
     axis, most = tilting_axis(part, found)
     tilt = tilt_from_vertical(R_world_part @ axis)
     return None if tilt <= most else min(tilt + part.tilt - most, np.pi)
+
+
+def _is_alike_upside_down(part: Part) -> bool:
+    ends = part.symmetry.motions(STEPS)[:, :3, :3] @ part.upright @ part.upright
+    return bool((ends < SAME - 1.0).any())

@@ -112,6 +112,8 @@ def search_candidates(
     """
     part, check = world.cell.part(world.detections[number].part), world.tool_check
     before, most = ROUNDS[round]
+    if before and refuse_where_it_lies(world, number):
+        return ()
     new: dict[str, tuple[Grasp, ...]] = {}
     found: list[Candidate] = []
     for count, arm in enumerate(world.cell.arms):
