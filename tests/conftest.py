@@ -71,6 +71,7 @@ COUNTED = (
     "journal/",
     "app/",
     "extras/bop/",
+    "extras/evidence/",
     "extras/mcap/",
 )
 """Tests whose lines are counted by `--cov`: those of the layers that are counted (pyproject.toml).

@@ -134,8 +134,6 @@ HOW: Mapping[type, str] = {
     session.SessionPrune: "sessions.files:prune",
     top.UserCommands: "serving.user:user",
     top.StatisticsArguments: "sessions.statistics:print_statistics",
-    top.Evidence: "sessions.evidence:evidence",
-    top.Acceptance: "sessions.acceptance:write_acceptance",
     top.Backup: "serving.backup:backup",
     top.Restore: "serving.backup:restore",
     top.Compile: "compiling:compile_ahead",
@@ -145,6 +143,8 @@ HOW: Mapping[type, str] = {
 
 OF_EXTRAS: Mapping[type, tuple[str, str]] = {
     studies.StudyBop: ("bop.commands:study_bop", "this needs"),
+    top.Evidence: ("evidence.commands:evidence", "this needs"),
+    top.Acceptance: ("evidence.commands:write_acceptance", "this needs"),
     top.OpcUaCommands: ("opcua.commands:certificates", "certificates need"),
 }
 """The function of an extra that carries a command out; how its error begins where it is missing."""

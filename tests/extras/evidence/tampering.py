@@ -12,8 +12,8 @@ from pathlib import Path
 
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
-from workbench.app.evidence import packing, verify
-from workbench.app.evidence.signing import signature_of
+from workbench.extras.evidence import packing, verify
+from workbench.extras.evidence.signing import signature_of
 from workbench.formats.files.archives import write_archive
 
 OURS = Ed25519PrivateKey.from_private_bytes(b"o" * 32)

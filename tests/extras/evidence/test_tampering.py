@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tampering import OURS, PUBLIC, THEIRS, Opened, anchors_of, verified
 
-from workbench.app.evidence import packing, verify
+from workbench.extras.evidence import packing, verify
 
 
 def with_other_words(number, body):

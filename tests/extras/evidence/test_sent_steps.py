@@ -2,7 +2,7 @@
 
 import pytest
 
-from workbench.app.evidence.steps import step_problems
+from workbench.extras.evidence.steps import step_problems
 
 WAYS = {"reach": [0.0, 0.4, 1.0004], "home": [0.0, 0.123]}
 

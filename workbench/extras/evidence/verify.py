@@ -23,8 +23,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from workbench.app.evidence.ed25519 import is_signed
-from workbench.app.evidence.packing import (
+from workbench.extras.evidence.ed25519 import is_signed
+from workbench.extras.evidence.packing import (
     SIGNATURE,
     PackedFiles,
     VerificationError,
@@ -33,7 +33,8 @@ from workbench.app.evidence.packing import (
     packing_problems,
     signed_message,
 )
-from workbench.app.evidence.steps import approval_problems, step_problems
+from workbench.extras.evidence.steps import approval_problems, step_problems
+from workbench.journal.anchors import anchor_problems, anchors_from
 
 JOURNAL, FILES = "session/journal.sqlite", "session/files"
 DERIVED = ("log.json", "wire.txt", "approvals.json")
@@ -147,41 +148,6 @@ def clock_remarks(entries: list[JournalEntry]) -> Iterator[str]:
             before = at
 
 
-def anchor_problems(
-    entries: list[JournalEntry], session: str, anchors: Iterable[Any]
-) -> Iterator[str]:
-    """Where the journal is not the one whose heads were kept elsewhere."""
-    hashes, found = {entry.number: entry.hash for entry in entries}, 0
-    for anchor in anchors:
-        if anchor["session"] != session:
-            continue
-        found += 1
-        kept = hashes.get(anchor["number"])
-        if kept is None:
-            yield f"entry {anchor['number']} was kept elsewhere and is not in the journal"
-        elif kept != anchor["hash"]:
-            yield f"up to entry {anchor['number']} the journal is not the one kept elsewhere"
-    if not found:
-        yield f"no anchor of session {session} was kept elsewhere"
-
-
-def anchors_from(text: str) -> tuple[list[Any], list[str]]:
-    """Anchors, one JSON object a line, and remarks on torn lines; ValueError when they are none."""
-    anchors: list[Any] = []
-    remarks: list[str] = []
-    for place, line in enumerate((text_line.strip() for text_line in text.splitlines()), 1):
-        if line.startswith("{") and not line.endswith("}"):
-            # Disk or power were gone while it was written; it was written again after that.
-            remarks.append(f"line {place} of the anchors was not written to its end")
-        elif line:
-            anchor = json.loads(line)
-            kinds = [type(anchor[name]) for name in ("session", "number", "hash") if name in anchor]
-            if kinds != [str, int, str]:
-                raise ValueError("session, number or hash is missing, or of another kind")
-            anchors.append(anchor)
-    return anchors, remarks
-
-
 # What is made from the journal
 
 
@@ -270,7 +236,8 @@ def problems_of(path: Path, key: bytes | None, anchors: list[Any] | None) -> tup
             problems.extend(journal_problems(bundle, manifest, entries))
             remarks.extend(clock_remarks(entries))
             if anchors is not None:
-                problems.extend(anchor_problems(entries, manifest["session"], anchors))
+                hashes = {entry.number: entry.hash for entry in entries}
+                problems.extend(anchor_problems(hashes, manifest["session"], anchors))
             remarks.append(f"session {manifest['session']}, {len(entries)} entries, head")
             remarks.append(f"  {manifest['head']}")
     except VerificationError as problem:

@@ -1,13 +1,14 @@
-"""One bundle for all."""
+"""One bundle for all, and the small cell."""
 
 import shutil
 import zipfile
 from pathlib import Path
 
 import pytest
+from samples import cell, samples  # noqa: F401
 from tampering import AT, OURS, Opened, anchors_of
 
-from workbench.app.evidence.bundle import write_bundle
+from workbench.extras.evidence.bundle import write_bundle
 from workbench.journal.journal import Journal
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -5,11 +5,10 @@ from dataclasses import replace
 import pytest
 
 from workbench.app.core.state import State
-from workbench.app.evidence.acceptance import Targets, judge_acceptance
-from workbench.app.evidence.pages import html_page
-from workbench.app.review.commissioning import checklist
+from workbench.app.review.commissioning import Targets
 from workbench.app.statistics.cycles import CycleRecord, PickRecord
 from workbench.app.statistics.statistics import Statistics
+from workbench.extras.evidence.acceptance import acceptance_page, judge_acceptance
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
 
@@ -39,9 +38,7 @@ def cycles(*results: str, seconds: float = 10.0) -> Statistics:
 
 
 def judged(state, counted, targets):
-    return judge_acceptance(
-        state, ["a session"], checklist(state, counted, NOW), counted, targets, NOW
-    )
+    return judge_acceptance(state, ["a session"], counted, targets, NOW)
 
 
 def table(acceptance, title):
@@ -85,8 +82,10 @@ def test_a_simulated_cell_is_called_so_and_signatures_have_room(state):
     assert "simulated" in table(acceptance, "Cell").says
     real = replace(state, cell=replace(state.cell, scanner=replace(state.cell.scanner, source="x")))
     assert table(judged(real, cycles("picked"), Targets(1, 1.0)), "Cell").says == ""
-    page = html_page("Acceptance", acceptance.tables).decode()
-    assert "Signature" in page and "<td" in page and "All targets are met" in page
+    session = "a session", 7, "0" * 64
+    page = acceptance_page(state, session, cycles("picked"), Targets(1, 1.0), NOW).decode()
+    for said in ("a session, 7 entries", "Signature", "<td", "All targets are met"):
+        assert said in page
 
 
 @pytest.mark.parametrize(

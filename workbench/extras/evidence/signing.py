@@ -9,7 +9,7 @@ import secrets
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workbench.app.evidence.packing import signed_message
+from workbench.extras.evidence.packing import signed_message
 from workbench.formats.files.whole_files import read_whole
 from workbench.model.errors import FileError, InputError
 

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from workbench.app.evidence.pages import COLUMNS, _lines, html_page, pdf_pages
-from workbench.app.evidence.report import ReportTable, tables_of
-from workbench.app.evidence.signing import time_stamp_request
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import cell_of
+from workbench.extras.evidence.pages import COLUMNS, _lines, html_page, pdf_pages
+from workbench.extras.evidence.report import ReportTable, tables_of
+from workbench.extras.evidence.signing import time_stamp_request
 from workbench.journal.journal import Journal
 
 ROOT = Path(__file__).resolve().parents[3]

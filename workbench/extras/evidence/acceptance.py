@@ -8,14 +8,11 @@ from scipy.special import betaincinv
 
 from workbench import __version__
 from workbench.app.core.state import State
-from workbench.app.evidence.report import ReportTable, clock
-from workbench.app.review.commissioning import CheckedStep
+from workbench.app.review.commissioning import CheckedStep, Targets, checklist
 from workbench.app.statistics.cycles import CycleRecord, PickRecord
 from workbench.app.statistics.statistics import GROUPS, Statistics
-from workbench.model.errors import InputError
-
-MOST_PICKS = 1_000_000
-"""More are not counted."""
+from workbench.extras.evidence.pages import html_page
+from workbench.extras.evidence.report import ReportTable, clock
 
 DOUBT = 0.05
 """Chance that the share which would be taken in the long run is below the stated bound."""
@@ -26,31 +23,6 @@ SIGNED_BY = ("Supplier", "Customer")
 
 
 Picks = Sequence[tuple[CycleRecord, PickRecord]]
-
-
-@dataclass(frozen=True, slots=True)
-class Targets:
-    """What was agreed: the `share`, 0 to 1, of the last `picks` that is taken, each in `seconds`.
-
-    None for a time leaves it open.
-    """
-
-    picks: int = 200
-    share: float = 0.98
-    seconds: float | None = None
-
-    def check(self) -> None:
-        """Look whether they can be met at all.
-
-        Raises:
-            InputError: one of them cannot.
-        """
-        if not 1 <= self.picks <= MOST_PICKS:
-            raise InputError(f"{self.picks} picks are not from 1 to {MOST_PICKS:,}")
-        if not 0.0 < self.share <= 1.0:
-            raise InputError(f"a share of {self.share:g} is not above 0 and at most 1")
-        if self.seconds is not None and not 0.0 < self.seconds < float("inf"):
-            raise InputError(f"{self.seconds:g} s is no time for a part")
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +40,28 @@ def session_words(name: str, count: int, head: str) -> str:
     return f"{name}, {count} entries, head {head}"
 
 
+def acceptance_page(
+    state: State, session: tuple[str, int, str], counted: Statistics, targets: Targets, at: float
+) -> bytes:
+    """The record of a session that runs, as one HTML file.
+
+    Args:
+        state: of the cell.
+        session: its name, the number of its last entry and that entry's hash.
+        counted: of this session.
+        targets: what was agreed.
+        at: when the record is made [s since the epoch].
+
+    Raises:
+        InputError: a target cannot be met.
+    """
+    judged = judge_acceptance(state, [session_words(*session)], counted, targets, at)
+    return html_page(judged.title, judged.tables)
+
+
 def judge_acceptance(
     state: State,
     sessions: Sequence[str],
-    checked: Sequence[CheckedStep],
     counted: Statistics,
     targets: Targets,
     at: float,
@@ -83,7 +73,6 @@ def judge_acceptance(
     Args:
         state: of the cell, at the end of the last session.
         sessions: what identifies each, see `session_words`.
-        checked: the steps of commissioning.
         counted: of these sessions.
         targets: what was agreed.
         at: when the record is made [s since the epoch].
@@ -124,7 +113,7 @@ def judge_acceptance(
         (
             _head(state, sessions, at),
             result,
-            _steps(checked),
+            _steps(checklist(state, counted, at)),
             _causes(picks),
             _rates(picks),
             ReportTable(

@@ -9,7 +9,7 @@ import textwrap
 from collections.abc import Iterable, Iterator
 from html import escape
 
-from workbench.app.evidence.report import ReportTable
+from workbench.extras.evidence.report import ReportTable
 
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #1b1e23; max-width: 72rem; margin: 2rem auto;

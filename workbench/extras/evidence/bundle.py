@@ -12,15 +12,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workbench import __version__
-from workbench.app.evidence import ed25519, packing, steps, verify
-from workbench.app.evidence.pages import html_page, pdf_pages
-from workbench.app.evidence.report import Moment, clock, tables_of
-from workbench.app.evidence.signing import signature_of
 from workbench.app.records.certificates import certificates
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import cell_of
+from workbench.extras.evidence import ed25519, packing, steps, verify
+from workbench.extras.evidence.pages import html_page, pdf_pages
+from workbench.extras.evidence.report import Moment, clock, tables_of
+from workbench.extras.evidence.signing import signature_of
 from workbench.formats.files import zip_frame
 from workbench.formats.files.archives import write_archive
+from workbench.journal import anchors
 from workbench.journal.files import file_path
 from workbench.journal.journal import DATABASE, Journal
 from workbench.model.errors import JournalError
@@ -123,6 +124,7 @@ def verify_script() -> bytes:
         (packing, "The files of a bundle"),
         (zip_frame, "The zip file"),
         (steps, "Approvals, rows, speed and steps"),
+        (anchors, "Anchors"),
     ):
         imported = re.compile(
             rf"^from {module.__name__} import (\([^)]*\)|[^(\n]*)\n", re.MULTILINE

@@ -16,9 +16,9 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.cycle.watching import WatchPlan
-from workbench.app.evidence import verify
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
+from workbench.extras.evidence import verify
 from workbench.journal.journal import Journal
 
 

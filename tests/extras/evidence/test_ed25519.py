@@ -5,7 +5,7 @@ from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.app.evidence.ed25519 import ORDER, is_signed
+from workbench.extras.evidence.ed25519 import ORDER, is_signed
 
 # RFC 8032, section 7.1: TEST 1 and TEST 2.
 VECTORS = (

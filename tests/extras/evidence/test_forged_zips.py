@@ -17,7 +17,7 @@ from tampering import ENDS, OURS, PUBLIC, Opened
 from zip_forging import STORED, TRICKS, Part, Zip
 from zip_tools import needs_tools, tree_of, unpacked
 
-from workbench.app.evidence import packing, verify
+from workbench.extras.evidence import packing, verify
 from workbench.formats.files.archives import unpack
 from workbench.model.errors import FileError
 

@@ -8,7 +8,7 @@ from collections import Counter
 import pytest
 from tampering import PUBLIC, Opened, verified
 
-from workbench.app.evidence import packing, verify
+from workbench.extras.evidence import packing, verify
 
 
 def test_what_a_terminal_obeys_is_printed_as_text(made, tmp_path):
