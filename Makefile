@@ -36,12 +36,12 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	devices/abb_egm/test_egm_rapid.py devices/pick_server/test_pick_cycles.py \
 	devices/rapid/test_modules.py devices/rapid/test_wires.py \
 	devices/universal_robots/test_ur_hostile.py examples extras/bop/test_searching.py \
-	extras/evidence/test_forged_zips.py extras/opcua/test_opcua.py foreign formats/meshes/test_convex_pieces.py \
+	extras/evidence/test_forged_zips.py extras/opcua/test_opcua.py extras/reconstruction/test_reconstruct.py foreign formats/meshes/test_convex_pieces.py \
 	formats/parts/test_part_import.py gui/drawing/test_film.py gui/drawing/test_watching.py \
 	gui/scene/test_measure.py packaging/test_bundle.py perception/calibration/test_opencv.py \
 	perception/calibration/test_sureness.py perception/colours/test_telling.py \
 	perception/localization/test_loosening.py perception/localization/test_real_scan.py \
-	perception/reconstruction/test_reconstruct.py perception/scene/test_clearly_seen.py \
+	perception/scene/test_clearly_seen.py \
 	perception/scene/test_seen_obstacles.py planning/grasps/test_firmness.py \
 	planning/picking/test_properties.py planning/planners/test_planners.py plugins/test_pages.py \
 	portable proof/claims/timing/test_point_speed.py \

@@ -73,6 +73,7 @@ COUNTED = (
     "extras/bop/",
     "extras/evidence/",
     "extras/mcap/",
+    "extras/reconstruction/",
 )
 """Tests whose lines are counted by `--cov`: those of the layers that are counted (pyproject.toml).
 The others pass through these layers too, in half the time when nobody counts, and what only they

@@ -102,7 +102,6 @@ HOW: Mapping[type, str] = {
     bench.BenchStalls: "measuring.page.stalls:stalls",
     bench.BenchShort: "measuring.short_benchmarks:short",
     studies.StudyLocalization: "measuring.studies:study_localization",
-    studies.StudyModels: "measuring.models:study_models",
     studies.StudyScans: "measuring.scans:study_scans",
     studies.StudyAbsent: "measuring.seeing.absent:study_absent",
     studies.StudyWrongCad: "measuring.seeing.wrong_cad:study_wrong_cad",
@@ -118,7 +117,6 @@ HOW: Mapping[type, str] = {
     cell.CellTool: "authoring.tool:add_tool",
     cell.CellSchema: "authoring.cell:print_schema",
     part.PartImport: "authoring.part:import_part",
-    part.PartFromScans: "authoring.part_scans:from_scans",
     part.PartCheck: "authoring.part_check:check_part",
     part.PartList: "authoring.part:list_parts",
     top.Grasps: "authoring.grasps:grasps",
@@ -142,6 +140,8 @@ HOW: Mapping[type, str] = {
 """The function in `cli` that carries a command out, loaded when it is typed: that takes a while."""
 
 OF_EXTRAS: Mapping[type, tuple[str, str]] = {
+    part.PartFromScans: ("reconstruction.commands:from_scans", "this needs"),
+    studies.StudyModels: ("reconstruction.commands:study_models", "this needs"),
     studies.StudyBop: ("bop.commands:study_bop", "this needs"),
     top.Evidence: ("evidence.commands:evidence", "this needs"),
     top.Acceptance: ("evidence.commands:write_acceptance", "this needs"),

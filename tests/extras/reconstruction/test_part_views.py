@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from workbench.formats.clouds.part_views import read_views
+from workbench.extras.reconstruction.part_views import read_views
 from workbench.formats.clouds.scans import write_cloud
 from workbench.model.errors import FileError
 from workbench.model.scan import Scan

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from workbench.extras.reconstruction.depth_views import DepthView
+from workbench.extras.reconstruction.fusion import AGREED
 from workbench.model.geometry import Bools, Floats
-from workbench.perception.reconstruction.depth_views import DepthView
-from workbench.perception.reconstruction.fusion import AGREED
 
 
 def looked_through(views: Sequence[DepthView], gate: float) -> Floats:

@@ -9,6 +9,9 @@ import pytest
 import trimesh
 from drawn_shapes import elbow
 
+from workbench.extras.reconstruction.alignment import aligned
+from workbench.extras.reconstruction.depth_views import Bounds, depth_view
+from workbench.extras.reconstruction.reconstruct import reconstruct
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.meshes.repair import examine_surface
 from workbench.formats.parts.reading import read_part
@@ -16,9 +19,6 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.part import Bin
 from workbench.model.scan import Detection
-from workbench.perception.reconstruction.alignment import aligned
-from workbench.perception.reconstruction.depth_views import Bounds, depth_view
-from workbench.perception.reconstruction.reconstruct import reconstruct
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.views.surfaces import add_surface
 

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import ndimage
 
+from workbench.extras.reconstruction.depth_views import Bounds, DepthView
 from workbench.model.geometry import Bools, Floats, Ints
-from workbench.perception.reconstruction.depth_views import Bounds, DepthView
 
 SLAB = 2_000_000
 """Voxels that are worked on at once, for the memory's sake."""

@@ -11,8 +11,8 @@ import numpy as np
 import pinocchio as pin
 from scipy.spatial import KDTree
 
+from workbench.extras.reconstruction.depth_views import DepthView
 from workbench.model.geometry import Floats, shift_and_turn
-from workbench.perception.reconstruction.depth_views import DepthView
 
 SHIFT, TURN = 0.0003, float(np.deg2rad(0.15))
 """[m], [rad] Deviations that given poses are taken to have, along and about each axis."""

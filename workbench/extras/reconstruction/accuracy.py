@@ -7,13 +7,13 @@ import numpy as np
 import pinocchio as pin
 import trimesh
 
+from workbench.extras.reconstruction.depth_views import Bounds, depth_view
+from workbench.extras.reconstruction.reconstruct import Reconstruction, reconstruct
+from workbench.extras.reconstruction.surface import distances
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.part import Bin, Part
 from workbench.model.scan import Detection, Scan
-from workbench.perception.reconstruction.depth_views import Bounds, depth_view
-from workbench.perception.reconstruction.reconstruct import Reconstruction, reconstruct
-from workbench.perception.reconstruction.surface import distances
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.views.surfaces import triangles_of
 from workbench.studies.localization import BUILDS

@@ -6,19 +6,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, Mesh
-from workbench.model.scan import Scan
-from workbench.perception.reconstruction.agreement import looked_through
-from workbench.perception.reconstruction.alignment import aligned, as_given
-from workbench.perception.reconstruction.depth_views import (
+from workbench.extras.reconstruction.agreement import looked_through
+from workbench.extras.reconstruction.alignment import aligned, as_given
+from workbench.extras.reconstruction.depth_views import (
     Bounds,
     DepthView,
     depth_view,
     pixel_width,
 )
-from workbench.perception.reconstruction.fusion import fused
-from workbench.perception.reconstruction.surface import closed_surface, simplified, unseen_share
+from workbench.extras.reconstruction.fusion import fused
+from workbench.extras.reconstruction.surface import closed_surface, simplified, unseen_share
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, Mesh
+from workbench.model.scan import Scan
 
 FEWEST, MOST = 3, 200
 """Scans: two leave most of a part unseen."""
