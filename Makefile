@@ -58,7 +58,7 @@ SLOW := browser cells cli examples packaging perception plugins portable proof s
 	app/runtime/test_readiness.py extras devices/abb_egm devices/abb_socket/test_abb_program_link.py \
 	devices/abb_socket/test_stepped.py devices/genicam devices/rapid \
 	devices/scanners/test_merged.py formats/cells/test_cell_edits.py \
-	formats/klampt/test_klampt_robot.py formats/parts/test_part_import.py gui/cell/test_jog.py \
+	formats/parts/test_part_import.py gui/cell/test_jog.py \
 	gui/drawing/test_film.py gui/drawing/test_watching.py gui/grasps/test_grasp_controls.py \
 	gui/page/test_renderer.py gui/scene/test_gizmo_drag.py gui/scene/test_measure.py \
 	gui/scene/test_scene.py planning/collision/test_motion.py planning/collision/test_tool_check.py \

@@ -72,6 +72,7 @@ COUNTED = (
     "app/",
     "extras/bop/",
     "extras/evidence/",
+    "extras/klampt/",
     "extras/mcap/",
     "extras/reconstruction/",
 )

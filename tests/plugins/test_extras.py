@@ -74,6 +74,10 @@ def test_the_page_is_served(world):
             ("part", "from-scans", "folder", "--out", "model.ply"),
             "this needs workbench.extras.reconstruction, which is not installed",
         ),
+        (
+            ("import", "klampt", "world.xml", "--out", "mine"),
+            "this needs workbench.extras.klampt, which is not installed",
+        ),
         (("study", "bop", "folder"), "this needs workbench.extras.bop, which is not installed"),
     ],
 )

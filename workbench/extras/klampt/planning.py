@@ -12,12 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from workbench.formats.klampt.worlds import Snapshot, robot_with_tools, write_world
-from workbench.formats.robots.urdf_writer import depth_first
+from workbench.extras.klampt.urdf_writer import depth_first
+from workbench.extras.klampt.worlds import Snapshot, robot_with_tools, write_world
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.collision.world import World
-from workbench.plugins.progress import Report
+from workbench.plugins.progress import Report, silent
+from workbench.studies.motion import solving
+from workbench.studies.motion.problems import ARM, Case
 from workbench.studies.planners import Attempt, Course
 
 KLAMPT_PLANNERS = ("rrt", "birrt", "sbl")
@@ -39,15 +41,19 @@ class KlamptPath:
 
 
 def attempts_by_klampt(
-    course: Course, planners: Sequence[str], *, seconds: float, report: Report
+    course: Course,
+    *,
+    seconds: float,
+    report: Report,
+    planners: Sequence[str] = KLAMPT_PLANNERS,
 ) -> list[Attempt]:
     """Plan from the course's start to all its goals with Klamp't.
 
     Args:
         course: robot, bin and goals; Klamp't sees the same collision geometry and margins.
-        planners: among `KLAMPT_PLANNERS`.
         seconds: that a plan may take.
         report: progress.
+        planners: among `KLAMPT_PLANNERS`.
 
     Raises:
         InputError: Klamp't is not installed, or ends before it is done.
@@ -75,6 +81,44 @@ def attempts_by_klampt(
         )
         for klampt_path in found
     ]
+
+
+def solve_by_klampt(
+    cases: Sequence[Case], *, seconds: float, report: Report
+) -> list[solving.Attempt]:
+    """Every case that is not invalid by Klamp't's SBL, each in a process of its own.
+
+    What it finds is as its search leaves it: neither shortened nor rounded.  Where it sees an end
+    touch something it has no path.
+
+    Args:
+        cases: made by `cases_of`.
+        seconds: [s] that a plan may take.
+        report: progress.
+
+    Raises:
+        InputError: Klamp't is not installed, or ends before it is done.
+    """
+    valid = [case for case in cases if not case.invalid]
+    attempts: list[solving.Attempt] = []
+    for number, case in enumerate(valid):
+        report(number / len(valid), f"Klamp't, {case.name}")
+        joints, goals = case.world.arm(ARM).joints, [case.goal]
+        (path,) = paths_by_klampt(
+            case.world, joints, case.start, goals, ["sbl"], seconds=seconds, report=silent
+        )
+        attempts.append(
+            solving.Attempt(
+                solving.KLAMPT,
+                case.name,
+                case.robot,
+                case.number,
+                path.seconds,
+                path.processor,
+                path.path,
+            )
+        )
+    return attempts
 
 
 def paths_by_klampt(
@@ -140,7 +184,7 @@ def _ask(request: dict[str, Any], count: int, report: Report) -> list[dict[str, 
     with (
         tempfile.TemporaryFile("w+") as complaints,
         subprocess.Popen(
-            [sys.executable, "-m", "workbench.studies.klampt_peer"],
+            [sys.executable, "-m", "workbench.extras.klampt.peer"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=complaints,

@@ -1,44 +1,31 @@
-"""Klamp't worlds (`.xml`): a robot, its configuration, and what stands around it.
+"""Klamp't worlds (`.xml`): a robot, and what stands around it.
 
 Source: https://github.com/krishauser/Klampt, manual, "File types"
 """
 
 import math
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 
+from workbench.extras.klampt.robots import read_rob
 from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import is_file, read_whole
 from workbench.formats.files.xml_elements import Element, read_xml
-from workbench.formats.klampt.robots import read_rob
-from workbench.formats.meshes.pieces.convex_pieces import pieces_of
 from workbench.formats.meshes.reading import LARGEST_MESH, read_mesh
+from workbench.formats.robots.in_place import RobotInPlace
 from workbench.formats.robots.urdf import read_urdf
 from workbench.model.cell import Fixture
 from workbench.model.errors import FileError
-from workbench.model.geometry import Floats, Mesh, Solid
-from workbench.model.part import Bin
-from workbench.model.robot import Robot
+from workbench.model.geometry import Mesh, Solid
 
 BLUE, BROWN = (0.4, 0.4, 1.0), (0.8, 0.6, 0.3)
 """What Klamp't gives rigid objects and terrains that say nothing."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class KlamptWorld:
-    """One robot where it stands, and still things; `config` (n,) [rad, m] as the file orders it."""
-
-    robot: Robot
-    T_world_robot: pin.SE3
-    config: Floats
-    things: tuple[Fixture, ...]
-
-
-def read_klampt_world(path: Path) -> KlamptWorld:
+def read_klampt_world(path: Path) -> RobotInPlace:
     """A world with exactly one robot.
 
     Raises:
@@ -50,47 +37,13 @@ def read_klampt_world(path: Path) -> KlamptWorld:
         raise FileError(path, f"has {len(robots)} robots, one is expected")
     file = _beside(robots[0], "file")
     robot = read_urdf(file) if file.suffix.lower() == ".urdf" else read_rob(file)
-    count = len(robots[0].text("config", "").split())
-    values = robots[0].numbers("config", count)[1:] if count else np.empty(0)
     things = [_thing(user, BLUE, k) for k, user in enumerate(root.all("rigidObject"))]
     things += [_thing(user, BROWN, k) for k, user in enumerate(root.all("terrain"))]
     names = [thing.name for thing in things]
     for name in names:
         if names.count(name) > 1:
             raise FileError(path, f"two things are called {quote(name)}")
-    return KlamptWorld(robot, _read_pose(robots[0]), values, tuple(things))
-
-
-def box_around(thing: Fixture) -> Bin:
-    """An open box as large as a thing, for a world's bin, with the usual walls."""
-    wall = 0.003
-    points = np.vstack(
-        [
-            solid.T_owner_shape.act(point)
-            for solid in thing.solids
-            if isinstance(solid.shape, Mesh)
-            for point in solid.shape.points
-        ]
-    )
-    low, high = points.min(axis=0), points.max(axis=0)
-    middle = np.array([*(low[:2] + high[:2]) / 2, low[2] + wall])
-    size = np.maximum(high - low - [2 * wall, 2 * wall, wall], 0.01)
-    return Bin(thing.T_world_fixture * pin.SE3(np.eye(3), middle), size, wall)
-
-
-def in_pieces(thing: Fixture, *, tolerance: float, most: int) -> Fixture:
-    """A thing with convex pieces instead of its meshes; see `convex_pieces.pieces_of`."""
-    solids: list[Solid] = []
-    for solid in thing.solids:
-        found = None
-        if isinstance(solid.shape, Mesh):
-            found = pieces_of(solid.shape, tolerance=tolerance, most=most)
-        pieces = (solid.shape,) if found is None else found.pieces
-        solids += [
-            Solid(f"{thing.name}_piece_{k}", piece, solid.T_owner_shape, solid.colour)
-            for k, piece in enumerate(pieces, start=1)
-        ]
-    return Fixture(thing.name, thing.T_world_fixture, tuple(solids))
+    return RobotInPlace(robot, _read_pose(robots[0]), tuple(things))
 
 
 def _thing(element: Element, usual: tuple[float, float, float], number: int) -> Fixture:

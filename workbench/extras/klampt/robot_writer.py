@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pinocchio as pin
 
+from workbench.extras.klampt.urdf_writer import depth_first
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
 from workbench.formats.meshes.triangles import stl_of, surface_of
-from workbench.formats.robots.urdf_writer import depth_first
 from workbench.model.robot import Robot
 
 

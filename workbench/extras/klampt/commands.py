@@ -7,9 +7,9 @@ import numpy as np
 
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
+from workbench.extras.klampt.robot_writer import write_rob
+from workbench.extras.klampt.worlds import Snapshot, WorldPart, robot_with_tools, write_world
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.klampt.robot_writer import write_rob
-from workbench.formats.klampt.worlds import Snapshot, WorldPart, robot_with_tools, write_world
 from workbench.formats.plans.plan_files import read_plan
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError

@@ -1,4 +1,4 @@
-"""Plans with Klamp't, in a process of its own: `python -m workbench.studies.klampt_peer`.
+"""Plans with Klamp't, in a process of its own: `python -m workbench.extras.klampt.peer`.
 
 Reads one JSON object from standard input and writes one JSON object a line to standard output,
 one for each goal and planner.  Klamp't (extra `bench`) is imported nowhere else.

@@ -16,9 +16,10 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from workbench.extras.klampt.urdf_writer import depth_first, write_urdf
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
 from workbench.formats.meshes.triangles import stl_of, surface_of
-from workbench.formats.robots.urdf_writer import depth_first, numbers, write_urdf, write_xml
+from workbench.formats.robots.urdf_writer import numbers, write_xml
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.by_bin import barriers
 from workbench.model.geometry import Floats, Solid

@@ -9,8 +9,10 @@ import pinocchio as pin
 import pytest
 import trimesh
 
+from workbench.extras.klampt.urdf_writer import depth_first, write_urdf
+from workbench.extras.klampt.worlds import Snapshot, WorldPart, robot_with_tools, write_world
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.klampt.worlds import Snapshot, WorldPart, robot_with_tools, write_world
+from workbench.formats.files.shipped import find
 from workbench.formats.robots.urdf import read_urdf
 from workbench.model.cell import Cell, Fixture
 from workbench.model.errors import FileError
@@ -114,3 +116,23 @@ def test_a_folder_that_cannot_be_made_is_an_error(
     (tmp_path / "file").write_text("")
     with pytest.raises(FileError, match="file"):
         write_world(tmp_path / "file", "world", cell, snapshot)
+
+
+def test_a_robot_written_and_read_by_pinocchio_stands_where_ours_stands(tmp_path: Path) -> None:
+    robot = read_urdf(find("robots", "yumi") / "yumi.urdf")
+    (tmp_path / "meshes").mkdir()
+    write_urdf(tmp_path / "yumi.urdf", robot)
+    ours = read_urdf(tmp_path / "yumi.urdf")
+    theirs = pin.buildModelFromUrdf(str(tmp_path / "yumi.urdf"))
+    movable = [joint for joint in depth_first(robot) if joint.kind != "fixed"]
+    assert list(theirs.names)[1:] == [joint.name for joint in movable]
+    for joint in movable:
+        again = ours.joint(joint.name)
+        np.testing.assert_allclose(
+            again.T_parent_joint.homogeneous, joint.T_parent_joint.homogeneous, atol=1e-12
+        )
+        np.testing.assert_allclose(
+            theirs.jointPlacements[theirs.getJointId(joint.name)].homogeneous,
+            joint.T_parent_joint.homogeneous,
+            atol=1e-12,
+        )
