@@ -56,7 +56,7 @@ SLOW := browser cells cli examples packaging perception plugins portable proof s
 	app/picking/test_part_import.py app/picking/test_row.py app/runtime/test_effect_runner.py \
 	app/runtime/test_jobs.py app/runtime/test_killed.py app/runtime/test_link_faults.py \
 	app/runtime/test_readiness.py extras devices/abb_egm devices/abb_socket/test_abb_program_link.py \
-	devices/abb_socket/test_stepped.py devices/genicam devices/rapid \
+	devices/abb_socket/test_stepped.py devices/rapid \
 	devices/scanners/test_merged.py formats/cells/test_cell_edits.py \
 	formats/parts/test_part_import.py gui/cell/test_jog.py \
 	gui/drawing/test_film.py gui/drawing/test_watching.py gui/grasps/test_grasp_controls.py \

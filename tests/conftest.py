@@ -72,8 +72,10 @@ COUNTED = (
     "app/",
     "extras/bop/",
     "extras/evidence/",
+    "extras/genicam/",
     "extras/klampt/",
     "extras/mcap/",
+    "extras/realsense/",
     "extras/reconstruction/",
 )
 """Tests whose lines are counted by `--cov`: those of the layers that are counted (pyproject.toml).

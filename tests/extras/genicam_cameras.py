@@ -16,8 +16,8 @@ import pinocchio as pin
 import pytest
 from waiting import PATIENCE
 
-from workbench.devices.genicam.library import is_installed
-from workbench.devices.genicam.scanner import GenicamOptions, GenicamScanner
+from workbench.extras.genicam.library import is_installed
+from workbench.extras.genicam.scanner import GenicamOptions, GenicamScanner
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell, ScannerMount
 from workbench.model.geometry import Floats

@@ -11,7 +11,7 @@ from realsense_recordings import COLUMNS, ROWS, SERIAL, Camera, points, record
 from scanner_calls import made, taken
 from waiting import PATIENCE
 
-from workbench.devices.scanners.realsense import RealsenseOptions, RealsenseScanner
+from workbench.extras.realsense.scanner import RealsenseOptions, RealsenseScanner
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError, JobCancelled, LinkError
 from workbench.model.messages.message import Message
@@ -54,7 +54,7 @@ def test_it_keeps_the_promises_of_its_seam(recording):
 
 AGAIN = """
 import sys
-from workbench.devices.scanners.realsense import RealsenseOptions, RealsenseScanner
+from workbench.extras.realsense.scanner import RealsenseOptions, RealsenseScanner
 from workbench.formats.cells.reading import read_cell
 from workbench.plugins.scanner import ScanRequest
 

@@ -27,7 +27,7 @@ from genicam_cameras import (
     taken,
 )
 
-from workbench.devices.genicam import library
+from workbench.extras.genicam import library
 from workbench.model.errors import JobCancelled, LinkError
 
 pytestmark = needs_aravis

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from workbench.devices.genicam.depth import MOST_PIXELS
-from workbench.devices.genicam.library import Aravis, aravis
+from workbench.extras.genicam.depth import MOST_PIXELS
+from workbench.extras.genicam.library import Aravis, aravis
 from workbench.model.errors import LinkError
 from workbench.model.messages.devices import ScannerText
 

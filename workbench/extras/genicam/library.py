@@ -10,6 +10,7 @@ from ctypes import c_void_p as handle
 from functools import cache
 from typing import Any
 
+from workbench.app.provenance.libraries import Library
 from workbench.model.errors import LinkError
 from workbench.model.messages.devices import DeviceText, ScannerText
 
@@ -122,6 +123,11 @@ def aravis() -> Aravis:
         raise LinkError(DeviceText.LIBRARY(library=LIBRARY, command=INSTALLS)) from None
     except AttributeError as error:
         raise LinkError(DeviceText.LIBRARY_VERSION(library=LIBRARY, reason=str(error))) from None
+
+
+def libraries() -> tuple[Library, ...]:
+    """What `doctor` reports."""
+    return (Library(LIBRARY, "the scanner genicam", is_installed(), INSTALLS),)
 
 
 def is_installed() -> bool:

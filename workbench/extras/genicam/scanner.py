@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from workbench.devices.genicam.camera import Camera, DepthFrame, one_frame, open_camera
-from workbench.devices.genicam.depth import DepthScale, organise_points
 from workbench.devices.scanners.organised_clouds import scan_of
+from workbench.extras.genicam.camera import Camera, DepthFrame, one_frame, open_camera
+from workbench.extras.genicam.depth import DepthScale, organise_points
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.messages.devices import ScannerText
