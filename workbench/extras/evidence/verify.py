@@ -37,8 +37,6 @@ from workbench.extras.evidence.steps import approval_problems, step_problems
 from workbench.journal.anchors import anchor_problems, anchors_from
 
 JOURNAL, FILES = "session/journal.sqlite", "session/files"
-DERIVED = ("log.json", "wire.txt", "approvals.json")
-"""Made from the journal alone, so they are made again and compared."""
 
 FIRST = "0" * 64
 SIGNED_BY = re.compile(rb"([0-9a-f]{64})\n([0-9a-f]{128})\n")
@@ -163,7 +161,7 @@ def body_of(entry: JournalEntry) -> dict[str, Any]:
 
 
 def derive_files(entries: list[JournalEntry]) -> dict[str, bytes]:
-    """The files that are made from the journal alone, by name."""
+    """The files that are made from the journal alone, so they are made again and compared."""
     log: list[Any] = []
     approvals: list[Any] = []
     wire: list[str] = []
