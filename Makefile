@@ -36,7 +36,8 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	devices/abb_egm/test_egm_rapid.py devices/pick_server/test_pick_cycles.py \
 	devices/rapid/test_modules.py devices/rapid/test_wires.py \
 	devices/universal_robots/test_ur_hostile.py examples extras/bop/test_searching.py \
-	extras/evidence/test_forged_zips.py extras/opcua/test_opcua.py extras/reconstruction/test_reconstruct.py foreign formats/meshes/test_convex_pieces.py \
+	extras/evidence/test_forged_zips.py extras/opcua/test_opcua.py \
+	extras/reconstruction/test_reconstruct.py foreign formats/meshes/test_convex_pieces.py \
 	formats/parts/test_part_import.py gui/drawing/test_film.py gui/drawing/test_watching.py \
 	gui/scene/test_measure.py packaging/test_bundle.py perception/calibration/test_opencv.py \
 	perception/calibration/test_sureness.py perception/colours/test_telling.py \
@@ -59,8 +60,8 @@ SLOW := browser cells cli examples packaging perception plugins portable proof s
 	devices/abb_socket/test_stepped.py devices/rapid \
 	devices/scanners/test_merged.py formats/cells/test_cell_edits.py \
 	formats/parts/test_part_import.py gui/cell/test_jog.py \
-	gui/drawing/test_film.py gui/drawing/test_watching.py gui/grasps/test_grasp_controls.py \
-	gui/page/test_renderer.py gui/scene/test_gizmo_drag.py gui/scene/test_measure.py \
+	gui/dragging/test_gizmo_drag.py gui/drawing/test_film.py gui/drawing/test_watching.py gui/grasps/test_grasp_controls.py \
+	gui/page/test_renderer.py gui/scene/test_measure.py \
 	gui/scene/test_scene.py planning/collision/test_motion.py planning/collision/test_tool_check.py \
 	planning/grasps/test_part_rays.py planning/grasps/test_part_symmetry.py \
 	planning/picking/test_dual_arm.py planning/picking/test_golden_plans.py \

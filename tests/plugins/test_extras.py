@@ -67,7 +67,7 @@ def test_the_page_is_served(world):
         ),
         (
             ("opcua", "list"),
-            "certificates need the library asyncua: pip install 'workbench[opcua]'",
+            "this needs the library asyncua: pip install 'workbench[opcua]'",
         ),
         (("evidence", "folder"), "this needs workbench.extras.evidence, which is not installed"),
         (

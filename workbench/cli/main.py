@@ -138,16 +138,16 @@ HOW: Mapping[type, str] = {
 }
 """The function in `cli` that carries a command out, loaded when it is typed: that takes a while."""
 
-OF_EXTRAS: Mapping[type, tuple[str, str]] = {
-    part.PartFromScans: ("reconstruction.commands:from_scans", "this needs"),
-    studies.StudyModels: ("reconstruction.commands:study_models", "this needs"),
-    studies.StudyBop: ("bop.commands:study_bop", "this needs"),
-    top.ExportWorld: ("klampt.commands:export_world", "this needs"),
-    top.Evidence: ("evidence.commands:evidence", "this needs"),
-    top.Acceptance: ("evidence.commands:write_acceptance", "this needs"),
-    top.OpcUaCommands: ("opcua.commands:certificates", "certificates need"),
+OF_EXTRAS: Mapping[type, str] = {
+    part.PartFromScans: "reconstruction.commands:from_scans",
+    studies.StudyModels: "reconstruction.commands:study_models",
+    studies.StudyBop: "bop.commands:study_bop",
+    top.ExportWorld: "klampt.commands:export_world",
+    top.Evidence: "evidence.commands:evidence",
+    top.Acceptance: "evidence.commands:write_acceptance",
+    top.OpcUaCommands: "opcua.commands:certificates",
 }
-"""The function of an extra that carries a command out; how its error begins where it is missing."""
+"""The function of an extra that carries a command out."""
 
 
 def run(typed: top.Arguments) -> int:
@@ -161,7 +161,7 @@ def run(typed: top.Arguments) -> int:
 
 def _how(kind: type) -> Callable[[Any], int]:
     if kind in OF_EXTRAS:
-        return from_extra(*OF_EXTRAS[kind])
+        return from_extra(OF_EXTRAS[kind])
     module, _, name = HOW[kind].partition(":")
     return getattr(importlib.import_module(f"workbench.cli.{module}"), name)
 
