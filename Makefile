@@ -19,7 +19,7 @@ STAND_INS := apache2-bin aravis-tools mbpoll unzip libarchive-tools p7zip-full
 # the page by themselves; the cycle through the page stays.  Single tests of other files have the
 # mark `extensive`.
 EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
-	app/emptying/test_bound.py app/evidence/test_forged_zips.py app/filling/test_fill.py \
+	app/emptying/test_bound.py app/filling/test_fill.py \
 	app/picking/test_regrasp.py app/runtime/test_ahead.py app/runtime/test_killed.py \
 	browser/test_axe.py browser/test_calibration_tab.py browser/test_cancelling.py \
 	browser/test_cell_tab.py browser/test_changes.py browser/test_control.py \
@@ -36,12 +36,13 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	devices/abb_egm/test_egm_rapid.py devices/pick_server/test_pick_cycles.py \
 	devices/rapid/test_modules.py devices/rapid/test_wires.py \
 	devices/universal_robots/test_ur_hostile.py examples extras/bop/test_searching.py \
-	extras/opcua/test_opcua.py foreign formats/meshes/test_convex_pieces.py \
+	extras/evidence/test_forged_zips.py extras/opcua/test_opcua.py \
+	extras/reconstruction/test_reconstruct.py foreign formats/meshes/test_convex_pieces.py \
 	formats/parts/test_part_import.py gui/drawing/test_film.py gui/drawing/test_watching.py \
 	gui/scene/test_measure.py packaging/test_bundle.py perception/calibration/test_opencv.py \
 	perception/calibration/test_sureness.py perception/colours/test_telling.py \
 	perception/localization/test_loosening.py perception/localization/test_real_scan.py \
-	perception/reconstruction/test_reconstruct.py perception/scene/test_clearly_seen.py \
+	perception/scene/test_clearly_seen.py \
 	perception/scene/test_seen_obstacles.py planning/grasps/test_firmness.py \
 	planning/picking/test_properties.py planning/planners/test_planners.py plugins/test_pages.py \
 	portable proof/claims/timing/test_point_speed.py \
@@ -52,15 +53,15 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
 SLOW := browser cells cli examples packaging perception plugins portable proof studies testing \
 	web test_new_part.py test_new_robot.py test_site.py test_skips.py app/core/test_any_sequence.py \
-	app/emptying app/evidence app/calibration/test_calibration.py app/calibration/test_first_scan.py \
+	app/emptying app/calibration/test_calibration.py app/calibration/test_first_scan.py \
 	app/picking/test_part_import.py app/picking/test_row.py app/runtime/test_effect_runner.py \
 	app/runtime/test_jobs.py app/runtime/test_killed.py app/runtime/test_link_faults.py \
 	app/runtime/test_readiness.py extras devices/abb_egm devices/abb_socket/test_abb_program_link.py \
-	devices/abb_socket/test_stepped.py devices/genicam devices/rapid \
+	devices/abb_socket/test_stepped.py devices/rapid \
 	devices/scanners/test_merged.py formats/cells/test_cell_edits.py \
-	formats/klampt/test_klampt_robot.py formats/parts/test_part_import.py gui/cell/test_jog.py \
-	gui/drawing/test_film.py gui/drawing/test_watching.py gui/grasps/test_grasp_controls.py \
-	gui/page/test_renderer.py gui/scene/test_gizmo_drag.py gui/scene/test_measure.py \
+	formats/parts/test_part_import.py gui/cell/test_jog.py \
+	gui/dragging/test_gizmo_drag.py gui/drawing/test_film.py gui/drawing/test_watching.py gui/grasps/test_grasp_controls.py \
+	gui/page/test_renderer.py gui/scene/test_measure.py \
 	gui/scene/test_scene.py planning/collision/test_motion.py planning/collision/test_tool_check.py \
 	planning/grasps/test_part_rays.py planning/grasps/test_part_symmetry.py \
 	planning/picking/test_dual_arm.py planning/picking/test_golden_plans.py \

@@ -71,7 +71,12 @@ COUNTED = (
     "journal/",
     "app/",
     "extras/bop/",
+    "extras/evidence/",
+    "extras/genicam/",
+    "extras/klampt/",
     "extras/mcap/",
+    "extras/realsense/",
+    "extras/reconstruction/",
 )
 """Tests whose lines are counted by `--cov`: those of the layers that are counted (pyproject.toml).
 The others pass through these layers too, in half the time when nobody counts, and what only they

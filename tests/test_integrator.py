@@ -4,10 +4,10 @@ import re
 import tomllib
 from pathlib import Path
 
-from workbench.devices.genicam.scanner import GenicamOptions
 from workbench.devices.scanners.logins import HttpOptions
 from workbench.devices.scanners.merged import MergedOptions
-from workbench.devices.scanners.realsense import RealsenseOptions
+from workbench.extras.genicam.scanner import GenicamOptions
+from workbench.extras.realsense.scanner import RealsenseOptions
 from workbench.formats.cells.calibrations import read_scanned_poses
 from workbench.formats.cells.reading import read_cell
 from workbench.plugins.found import names

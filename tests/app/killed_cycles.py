@@ -12,8 +12,8 @@ import threading
 import time
 from pathlib import Path
 
-from conftest import Samples, made_cell
 from patient import PATIENT
+from samples import Samples, made_cell
 from waiting import PATIENCE
 
 from workbench.app.core.cycle.approval import Approve

@@ -67,7 +67,16 @@ def test_the_page_is_served(world):
         ),
         (
             ("opcua", "list"),
-            "certificates need the library asyncua: pip install 'workbench[opcua]'",
+            "this needs the library asyncua: pip install 'workbench[opcua]'",
+        ),
+        (("evidence", "folder"), "this needs workbench.extras.evidence, which is not installed"),
+        (
+            ("part", "from-scans", "folder", "--out", "model.ply"),
+            "this needs workbench.extras.reconstruction, which is not installed",
+        ),
+        (
+            ("import", "klampt", "world.xml", "--out", "mine"),
+            "this needs workbench.extras.klampt, which is not installed",
         ),
         (("study", "bop", "folder"), "this needs workbench.extras.bop, which is not installed"),
     ],

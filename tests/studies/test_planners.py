@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 
 from workbench.formats.cells.reading import read_cell
-from workbench.model.errors import InputError
-from workbench.studies.klampt import attempts_by_klampt, paths_by_klampt
 from workbench.studies.planners import Course, compare, summary
 from workbench.studies.targets import TILT, drawn_poses
 
@@ -79,24 +77,3 @@ def test_a_row_a_planner_and_number_of_iterations(course):
     pairs = [(row["planner"], row["allowed"]) for row in rows]
     assert pairs == list(itertools.product(["rrt", "sbl"], [5, 50]))
     assert all(0 <= row["success"] <= 1 and row["attempts"] == len(course.goals) for row in rows)
-
-
-def test_a_peer_that_ends_at_once_is_an_input_error(course, monkeypatch):
-    monkeypatch.setattr("workbench.studies.klampt.sys.executable", "/bin/false")
-    with pytest.raises(InputError, match="Klamp't did not finish"):
-        attempts_by_klampt(course, ["sbl"] * 20_000, seconds=5.0, report=quiet)
-
-
-def test_klampt_solves_the_same_course(course):
-    pytest.importorskip("klampt")
-    attempts = attempts_by_klampt(course, ["sbl"], seconds=5.0, report=quiet)
-    assert [one.target for one in attempts] == [number for number, _ in course.goals]
-    assert sum(one.tool_way is not None for one in attempts) >= 0.8 * len(attempts)
-
-
-def test_klampt_sees_no_collision_at_the_ends_of_the_course(course):
-    pytest.importorskip("klampt")
-    ends = [q for _, q in course.goals]
-    world, joints = course.world, course.arm.joints
-    found = paths_by_klampt(world, joints, course.start, ends, ["sbl"], seconds=1e-6, report=quiet)
-    assert [one.is_possible for one in found] == [True] * len(ends)

@@ -24,7 +24,7 @@ CUTS = """
 SEARCHES = "match search fullmatch sub split findall finditer".split()  # noqa: SIM905
 
 OTHERS = {
-    "app/provenance/components.py": {"licence_of"},
+    "app/provenance/components.py": {"_licence_of"},
     "studies/case_searches.py": {"held_cases"},
     "studies/load/raw_browser.py": {"_learn"},
     "web/page/pages.py": {"_translate"},

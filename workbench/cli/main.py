@@ -92,7 +92,6 @@ HOW: Mapping[type, str] = {
     top.SendArguments: "serving.send:send",
     top.ControllerArguments: "serving.controller:controller",
     top.RapidCommands: "authoring.rapid:rapid",
-    top.ExportWorld: "picking.world:export_world",
     bench.BenchPlanners: "measuring.studies:bench_planners",
     bench.BenchMotion: "measuring.motion:motion",
     bench.BenchBothArms: "measuring.both_arms:both_arms",
@@ -102,7 +101,6 @@ HOW: Mapping[type, str] = {
     bench.BenchStalls: "measuring.page.stalls:stalls",
     bench.BenchShort: "measuring.short_benchmarks:short",
     studies.StudyLocalization: "measuring.studies:study_localization",
-    studies.StudyModels: "measuring.models:study_models",
     studies.StudyScans: "measuring.scans:study_scans",
     studies.StudyAbsent: "measuring.seeing.absent:study_absent",
     studies.StudyWrongCad: "measuring.seeing.wrong_cad:study_wrong_cad",
@@ -118,7 +116,6 @@ HOW: Mapping[type, str] = {
     cell.CellTool: "authoring.tool:add_tool",
     cell.CellSchema: "authoring.cell:print_schema",
     part.PartImport: "authoring.part:import_part",
-    part.PartFromScans: "authoring.part_scans:from_scans",
     part.PartCheck: "authoring.part_check:check_part",
     part.PartList: "authoring.part:list_parts",
     top.Grasps: "authoring.grasps:grasps",
@@ -134,8 +131,6 @@ HOW: Mapping[type, str] = {
     session.SessionPrune: "sessions.files:prune",
     top.UserCommands: "serving.user:user",
     top.StatisticsArguments: "sessions.statistics:print_statistics",
-    top.Evidence: "sessions.evidence:evidence",
-    top.Acceptance: "sessions.acceptance:write_acceptance",
     top.Backup: "serving.backup:backup",
     top.Restore: "serving.backup:restore",
     top.Compile: "compiling:compile_ahead",
@@ -143,11 +138,16 @@ HOW: Mapping[type, str] = {
 }
 """The function in `cli` that carries a command out, loaded when it is typed: that takes a while."""
 
-OF_EXTRAS: Mapping[type, tuple[str, str]] = {
-    studies.StudyBop: ("bop.commands:study_bop", "this needs"),
-    top.OpcUaCommands: ("opcua.commands:certificates", "certificates need"),
+OF_EXTRAS: Mapping[type, str] = {
+    part.PartFromScans: "reconstruction.commands:from_scans",
+    studies.StudyModels: "reconstruction.commands:study_models",
+    studies.StudyBop: "bop.commands:study_bop",
+    top.ExportWorld: "klampt.commands:export_world",
+    top.Evidence: "evidence.commands:evidence",
+    top.Acceptance: "evidence.commands:write_acceptance",
+    top.OpcUaCommands: "opcua.commands:certificates",
 }
-"""The function of an extra that carries a command out; how its error begins where it is missing."""
+"""The function of an extra that carries a command out."""
 
 
 def run(typed: top.Arguments) -> int:
@@ -161,7 +161,7 @@ def run(typed: top.Arguments) -> int:
 
 def _how(kind: type) -> Callable[[Any], int]:
     if kind in OF_EXTRAS:
-        return from_extra(*OF_EXTRAS[kind])
+        return from_extra(OF_EXTRAS[kind])
     module, _, name = HOW[kind].partition(":")
     return getattr(importlib.import_module(f"workbench.cli.{module}"), name)
 

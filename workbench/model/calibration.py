@@ -213,7 +213,7 @@ class BinCheck:
     not; `shift` [m] and `turn` [rad] by how
     much that differs from the cell.  `fill` 0..1 is the share of its room that is taken as seen
     from above, None when the inside is not seen; `above` [m] how far something sticks out of it,
-    which may be one part that stands: only a bin that `is_overfull` is too full.
+    which may be one part that stands.
     `findings` say in words what is not as it should be, the worst first.
     """
 
@@ -226,7 +226,6 @@ class BinCheck:
     findings: tuple[Message, ...]
     is_elsewhere: bool = False
     is_empty: bool = False
-    is_overfull: bool = False
     has_walls: bool = True
 
     def __post_init__(self) -> None:

@@ -11,7 +11,7 @@ LIBRARIES = {"mcap": "mcap", "modbus": "pymodbus", "opcua": "asyncua"}
 """The library that an extra needs, if any, and that `pip install 'workbench[extra]'` brings."""
 
 
-def from_extra(target: str, who: str) -> Any:
+def from_extra(target: str, who: str = "this needs") -> Any:
     """A function of an extra.
 
     Args:

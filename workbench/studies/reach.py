@@ -79,7 +79,7 @@ def reach_of(cell: Cell, arm: Arm, *, seed: int = 0) -> Reach:
     world.enter(LegPhase(moving, opened))
     at_home = world.contact(world.configuration({}))
     world.enter(LegPhase(moving, opened, straight=moving))
-    bin_targets = judge_targets(world, arm, down_poses(cell.bin), seed)
+    bin_targets = judge_targets(world, arm, _down_poses(cell.bin), seed)
     places = judge_targets(world, arm, list(arm.Ts_world_place), seed)
     placed = tuple(
         _place(cell, arm, number, part, seed)
@@ -123,7 +123,7 @@ def _may(arm: Arm, grasp: Grasp) -> bool:
     return grasp.is_enabled and is_for and grasp.tool in ("", arm.tool.name)
 
 
-def down_poses(bin: Bin) -> list[pin.SE3]:
+def _down_poses(bin: Bin) -> list[pin.SE3]:
     """Tool poses over a grid in the bin, clear of walls and floor by a sixth of its sizes."""
     shares = [(np.arange(count) + 0.5) / count for count in GRID]
     length, width, height = bin.size

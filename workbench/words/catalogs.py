@@ -92,11 +92,6 @@ class Catalog:
         path.write_text("\n\n".join([self.head.rstrip("\n"), *entries]) + "\n", encoding="utf-8")
 
 
-def places_in(text: str) -> tuple[str, ...]:
-    """The names of the places of a message, in order."""
-    return tuple(re.findall(r"\{(\w+)\}", text))
-
-
 def _entry(path: Path, entry: str) -> tuple[dict[str, str], tuple[str, ...]]:
     texts, now, where = {"msgctxt": "", "msgid": "", "msgstr": ""}, "", list[str]()
     for line in entry.splitlines():

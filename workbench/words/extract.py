@@ -106,7 +106,6 @@ VALUE = "{}"
 """Stands for a value in a literal that is put together."""
 
 _LOGS = ("debug", "info", "warning", "error", "exception")
-_NAME = re.compile(r"[a-z_][a-z0-9_]*", re.IGNORECASE)
 _PLACE = re.compile(r"(\bpart-)?\{(\w+)\}")
 _CODE = re.compile(
     r"[{}<>\\]|\bconst |\w\(\)|\b(SELECT|INSERT|DELETE|UPDATE)\b|^[\w.+-]+/[\w.+-]+$|px\b|"

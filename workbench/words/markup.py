@@ -27,7 +27,7 @@ def _pieces(text: str) -> Iterator[tuple[str, str]]:
         yield ("silent" if silent else "text"), text[at:]
 
 
-def attributes(tag: str) -> Iterator[str]:
+def _attributes(tag: str) -> Iterator[str]:
     """What a tag says to people."""
     for found in _SAID.finditer(tag):
         yield html.unescape(found[2])
@@ -37,7 +37,7 @@ def texts_of(text: str) -> Iterator[str]:
     """All that HTML says to people."""
     for kind, piece in _pieces(text):
         if kind == "tag":
-            yield from attributes(piece)
+            yield from _attributes(piece)
         elif kind == "text" and piece.strip():
             yield html.unescape(piece)
 

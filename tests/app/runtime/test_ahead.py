@@ -17,11 +17,11 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.state import Phase
-from workbench.app.evidence.steps import approval_problems, step_problems
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.statistics.statistics import statistics
+from workbench.extras.evidence.steps import approval_problems, step_problems
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
 from workbench.perception.simulation.piles import drop_parts

@@ -15,11 +15,11 @@ from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.watching import WatchPlan
-from workbench.app.evidence.verify import JournalEntry, anchor_problems, anchors_from
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.anchors import Anchors, place
 from workbench.app.runtime.bench import Bench
 from workbench.cli.main import main
+from workbench.journal.anchors import anchor_problems, anchors_from
 from workbench.model.errors import InputError
 
 AT = 1_700_000_000.0
@@ -178,8 +178,8 @@ def test_a_place_that_is_none_is_told_at_the_start(typed):
 
 
 def test_a_session_without_an_anchor_is_told():
-    entries = [JournalEntry(1, "A", b"", (), "0" * 64, "1" * 64)]
-    assert list(anchor_problems(entries, "a", [])) == ["no anchor of session a was kept elsewhere"]
+    hashes = {1: "1" * 64}
+    assert list(anchor_problems(hashes, "a", [])) == ["no anchor of session a was kept elsewhere"]
     one = {"session": "a", "number": 2, "hash": "2" * 64}
-    (problem,) = anchor_problems(entries, "a", [one, {**one, "session": "b"}])
+    (problem,) = anchor_problems(hashes, "a", [one, {**one, "session": "b"}])
     assert "is not in the journal" in problem

@@ -19,12 +19,12 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.state import Phase
-from workbench.app.evidence.bundle import write_bundle
-from workbench.app.evidence.steps import approval_problems, step_problems
 from workbench.app.picking.row import plan_row
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.statistics.statistics import statistics
+from workbench.extras.evidence.bundle import write_bundle
+from workbench.extras.evidence.steps import approval_problems, step_problems
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
 from workbench.model.derived.row_parts import parts_taken

@@ -15,7 +15,7 @@ from waiting import PATIENCE, wait_until
 from workbench.devices.abb_egm import rapid_controller, wire
 from workbench.devices.abb_egm.link import AbbEgm
 from workbench.devices.abb_egm.rapid_controller import GuidedController
-from workbench.formats.rapid.check import check_modules
+from workbench.formats.rapid.check import check
 from workbench.formats.rapid.setup import read_setup
 from workbench.model.errors import InputError, JobCancelled, LinkError
 from workbench.plugins.robot_link import Simulation, send
@@ -64,7 +64,7 @@ def stands_at(one, cell, arm, q):
 
 
 def test_nothing_speaks_against_the_modules():
-    assert check_modules([FOLDER]) == []
+    assert check([FOLDER]).problems == []
 
 
 def test_a_plan_is_led_through_the_modules_and_not_begun_again(planned):

@@ -4,11 +4,11 @@ import pytest
 from rapid_bench import Tasks, problems, written
 from wires import FOLDER
 
-from workbench.formats.rapid.check import check_modules
+from workbench.formats.rapid.check import check
 
 
 def test_nothing_speaks_against_the_shipped_modules():
-    assert check_modules([FOLDER]) == []
+    assert check([FOLDER]).problems == []
 
 
 def test_each_kind_of_mistake_is_told_where_it_is():
@@ -25,7 +25,7 @@ def test_each_kind_of_mistake_is_told_where_it_is():
 def test_files_that_are_no_rapid_are_told(tmp_path):
     path = tmp_path / "x.mod"
     path.write_text("MODULE x\nPROC main()\nx:=;\nENDPROC\nENDMODULE\n")
-    assert [str(one) for one in check_modules([path])] == ["x.mod:3:4: ';' cannot stand here"]
+    assert [str(one) for one in check([path]).problems] == ["x.mod:3:4: ';' cannot stand here"]
 
 
 def test_what_is_not_executed_here_is_named(tmp_path):
@@ -36,7 +36,7 @@ def test_what_is_not_executed_here_is_named(tmp_path):
         "                IF ok = 0 THEN\n                    ok := 1;\n                ENDIF\n"
         "        ENDTEST\n    ENDWHILE\nENDPROC\nENDMODULE\n"
     )
-    found = [str(one) for one in check_modules([path])]
+    found = [str(one) for one in check([path]).problems]
     assert found == ["server.mod:8:5: ConfL is not executed here"]
 
 
@@ -48,7 +48,7 @@ def test_a_task_needs_a_main_without_parameters(tmp_path):
         ("PROC main(num x)", "x.mod:2:1: main cannot have parameters"),
     ]:
         path.write_text(f"MODULE x\n{head}\nENDPROC\nENDMODULE\n")
-        assert [str(one) for one in check_modules([path])] == [says]
+        assert [str(one) for one in check([path]).problems] == [says]
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,7 @@ def test_what_is_nested_too_deeply_is_told_where(tmp_path, deep):
         f"MODULE x\nVAR num x;VAR num a{{2}};VAR bool flag;\nPROC main()\n{deep}\n"
         "ENDPROC\nENDMODULE\n"
     )
-    (found,) = check_modules([path])
+    (found,) = check([path]).problems
     assert found.what == "is nested too deeply"
     assert found.line >= 4
 

@@ -4,17 +4,14 @@ import re
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 import pytest
 import trimesh
 from hypothesis import HealthCheck, given, settings
 from mutations import mutated, only_file_errors
 
-from workbench.formats.files.shipped import find
 from workbench.formats.meshes.reading import MOST_NEIGHBOURS, most_neighbours
 from workbench.formats.meshes.triangles import stl_of, triangles_of
 from workbench.formats.robots.urdf import read_srdf, read_urdf
-from workbench.formats.robots.urdf_writer import depth_first, write_urdf
 from workbench.model.errors import FileError
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Sphere
 
@@ -228,23 +225,3 @@ def test_disabled_pairs_are_read_in_one_order(tmp_path: Path) -> None:
     path.write_text('<robot name="a"><disable_collisions link1="b"/></robot>')
     with pytest.raises(FileError, match="has no link2"):
         read_srdf(path)
-
-
-def test_a_robot_written_and_read_by_pinocchio_stands_where_ours_stands(tmp_path: Path) -> None:
-    robot = read_urdf(find("robots", "yumi") / "yumi.urdf")
-    (tmp_path / "meshes").mkdir()
-    write_urdf(tmp_path / "yumi.urdf", robot)
-    ours = read_urdf(tmp_path / "yumi.urdf")
-    theirs = pin.buildModelFromUrdf(str(tmp_path / "yumi.urdf"))
-    movable = [joint for joint in depth_first(robot) if joint.kind != "fixed"]
-    assert list(theirs.names)[1:] == [joint.name for joint in movable]
-    for joint in movable:
-        again = ours.joint(joint.name)
-        np.testing.assert_allclose(
-            again.T_parent_joint.homogeneous, joint.T_parent_joint.homogeneous, atol=1e-12
-        )
-        np.testing.assert_allclose(
-            theirs.jointPlacements[theirs.getJointId(joint.name)].homogeneous,
-            joint.T_parent_joint.homogeneous,
-            atol=1e-12,
-        )

@@ -14,7 +14,7 @@ from ssik import Manipulator
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import Floats
 from workbench.planning.kinematics.chain import Chain, chain_of, is_solution
-from workbench.planning.kinematics.inverse import configurations, has_closed_form, starts_of
+from workbench.planning.kinematics.inverse import configurations, starts_of
 
 ARMS = ("ur5e_ik", "irb120_ik", "kr6_r900_ik", "fanuc_crx10ia_ik")
 CELLS = ("tx2_90", "yumi")
@@ -40,7 +40,7 @@ def made(name: str) -> tuple[Manipulator, Chain]:
 
 def row(name: str, chain: Chain, starts: Floats) -> str:
     """A line of the table."""
-    configurations(chain, chain.pose(starts[0]), starts)
+    first = configurations(chain, chain.pose(starts[0]), starts)
     draw, missed, seconds = np.random.default_rng(1), [0, 0], [0.0, 0.0]
     for q in draw.uniform(chain.lower, chain.upper, (POSES, len(chain.axes))):
         T = chain.pose(q)
@@ -49,7 +49,7 @@ def row(name: str, chain: Chain, starts: Floats) -> str:
         half = time.process_time()
         missed[1] += not is_solution(chain.solve(T, starts)[1]).any()
         seconds = [seconds[0] + half - begun, seconds[1] + time.process_time() - half]
-    how = "closed form" if has_closed_form(chain) else "iterations"
+    how = "closed form" if first.is_complete else "iterations"
     now, before = (1000 * one / POSES for one in seconds)
     return f"| {name} | {how} | {missed[0]} ({missed[1]}) | {now:.2f} ms ({before:.2f}) |"
 

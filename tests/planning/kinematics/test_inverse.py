@@ -10,7 +10,7 @@ from shipped import shipped
 from workbench.model.candidate import Reason
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.planning.kinematics.chain import chain_of, is_solution
-from workbench.planning.kinematics.inverse import configurations, has_closed_form
+from workbench.planning.kinematics.inverse import configurations
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -39,11 +39,11 @@ def test_no_pose_that_an_arm_reaches_is_missed(name):
 
 def test_the_branch_that_made_a_pose_is_among_the_answers():
     chain, home = arm_of("tx2_90")
-    assert has_closed_form(chain)
     draw = np.random.default_rng(4)
     for _ in range(POSES):
         q = draw.uniform(chain.lower, chain.upper)
         answers = configurations(chain, chain.pose(q), home, turns=64)
+        assert answers.is_complete
         assert np.abs(answers.q - q).max(axis=1).min() < 1e-6
 
 

@@ -9,14 +9,11 @@ from stand_ins import DATA, sources
 
 from workbench.formats.robots.motion_problems import read_motion_problems
 from workbench.model.cell import Policy
-from workbench.model.errors import InputError
 from workbench.studies.motion.problems import ARM, cases_of
 from workbench.studies.motion.solving import (
-    KLAMPT,
     OMPL,
     attempt,
     compare,
-    compare_with_klampt,
     figures,
     summary,
 )
@@ -105,18 +102,3 @@ def test_public_problems_on_a_table_are_solved(source):
     assert len(attempts) == len(cases) == 10
     for case, made in zip(cases, attempts, strict=True):
         assert made.path is not None and clear_along(case, made.path, 10)
-
-
-def test_without_klampt_the_comparison_says_so(cases, monkeypatch):
-    monkeypatch.setattr("workbench.studies.klampt.sys.executable", "/bin/false")
-    with pytest.raises(InputError, match="Klamp't did not finish"):
-        compare_with_klampt(cases, seconds=5.0, report=quiet)
-
-
-def test_klampt_solves_the_same_problems(cases):
-    pytest.importorskip("klampt")
-    attempts = compare_with_klampt(cases, seconds=20.0, report=quiet)
-    rows = summary(cases, attempts, KLAMPT)
-    assert [(row["set"], row["solved"]) for row in rows] == [("free", 1), ("in_the_way", 1)]
-    for case, made in zip([one for one in cases if not one.invalid], attempts, strict=True):
-        assert np.allclose(made.path[0], case.start) and np.allclose(made.path[-1], case.goal)

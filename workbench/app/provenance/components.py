@@ -54,7 +54,7 @@ def components(extras: Iterable[str] = ()) -> tuple[Component, ...]:
     Args:
         extras: of the workbench whose dependencies count, too.
     """
-    installed = distributions_here()
+    installed = _distributions_here()
     needs: dict[str, set[str]] = {}
     waiting = [(ROOT, extra) for extra in ("", *extras)]
     seen = set(waiting)
@@ -73,7 +73,7 @@ def components(extras: Iterable[str] = ()) -> tuple[Component, ...]:
 
 def missing(extra: str) -> tuple[str, ...]:
     """What an extra of the workbench asks for and is not installed, as pip takes it."""
-    installed = distributions_here()
+    installed = _distributions_here()
     lacking: list[str] = []
     for text in installed[ROOT].requires or []:
         requirement = Requirement(text)
@@ -102,7 +102,7 @@ def sbom(found: tuple[Component, ...]) -> dict[str, Any]:
     return {**bill, "serialNumber": f"urn:uuid:{number}"}
 
 
-def distributions_here() -> Mapping[str, Distribution]:
+def _distributions_here() -> Mapping[str, Distribution]:
     """The installed distributions by name, each once: the one that is imported.
 
     Raises:
@@ -114,7 +114,7 @@ def distributions_here() -> Mapping[str, Distribution]:
     return found
 
 
-def licence_of(distribution: Distribution) -> str:
+def _licence_of(distribution: Distribution) -> str:
     """The licence that a distribution states, as SPDX has it; empty where it says nothing clear."""
     about = distribution.metadata
     kinds = about.get_all("Classifier") or []
@@ -144,7 +144,7 @@ def _holds(marker: Marker | None, extra: str) -> bool:
 
 def _component(name: str, distribution: Distribution, needs: Iterable[str]) -> Component:
     version = __version__ if name == ROOT else distribution.version
-    return Component(name, version, licence_of(distribution), tuple(sorted(needs)))
+    return Component(name, version, _licence_of(distribution), tuple(sorted(needs)))
 
 
 def _entry(component: Component) -> dict[str, Any]:

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from workbench.devices.genicam.library import INSTALLS, LIBRARY, is_installed
+from workbench.model.errors import InputError
+from workbench.plugins.extras import from_extra
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,5 +17,8 @@ class Library:
 
 
 def libraries() -> tuple[Library, ...]:
-    """All that the workbench can use."""
-    return (Library(LIBRARY, "the scanner genicam", is_installed(), INSTALLS),)
+    """All that the installed extras can use."""
+    try:
+        return from_extra("genicam.library:libraries")()
+    except InputError:
+        return ()

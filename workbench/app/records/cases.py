@@ -134,7 +134,7 @@ def read_case(path: Path) -> Case:
         try:
             # Numbers that are none make digests that are others, and no warnings.
             with np.errstate(all="ignore"):
-                return _read(path, Path(place))
+                return _read(Path(place))
         except FileError as error:
             detail = f"{Path(error.path).name} {error.problem}"
             raise FileError(path, FileProblem.NO_CASE(detail=detail)) from None
@@ -143,7 +143,7 @@ def read_case(path: Path) -> Case:
             raise FileError(path, FileProblem.NO_CASE(detail=said)) from None
 
 
-def _read(path: Path, place: Path) -> Case:
+def _read(place: Path) -> Case:
     def form(name: str) -> Any:
         return json.loads(read_whole(place / name, LARGEST_FORM))
 

@@ -9,11 +9,15 @@ from dataclasses import dataclass
 from workbench.app.core.state import State
 from workbench.app.statistics.statistics import Statistics
 from workbench.model.cell import Cell
+from workbench.model.errors import InputError
 from workbench.model.messages.cells import CommissioningText
 from workbench.model.messages.message import Message
 
 DAY = 24 * 3600.0
 """[s]"""
+
+MOST_PICKS = 1_000_000
+"""More are not counted."""
 
 
 class Step(enum.StrEnum):
@@ -36,6 +40,31 @@ class CheckedStep:
     step: Step
     is_done: bool
     says: Message
+
+
+@dataclass(frozen=True, slots=True)
+class Targets:
+    """What was agreed: the `share`, 0 to 1, of the last `picks` that is taken, each in `seconds`.
+
+    None for a time leaves it open.
+    """
+
+    picks: int = 200
+    share: float = 0.98
+    seconds: float | None = None
+
+    def check(self) -> None:
+        """Look whether they can be met at all.
+
+        Raises:
+            InputError: one of them cannot.
+        """
+        if not 1 <= self.picks <= MOST_PICKS:
+            raise InputError(f"{self.picks} picks are not from 1 to {MOST_PICKS:,}")
+        if not 0.0 < self.share <= 1.0:
+            raise InputError(f"a share of {self.share:g} is not above 0 and at most 1")
+        if self.seconds is not None and not 0.0 < self.seconds < float("inf"):
+            raise InputError(f"{self.seconds:g} s is no time for a part")
 
 
 def checklist(state: State, statistics: Statistics, now: float) -> tuple[CheckedStep, ...]:

@@ -9,6 +9,7 @@ import struct
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,7 @@ from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.views.filling import densify
+from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.grasps.part_rays import nearest_points
@@ -96,6 +98,8 @@ def plan() -> None:
     nearest_points(part.mesh, np.zeros((1, 3)))
     Surface(part.mesh.points[part.mesh.triangles], spacing=0.001).farthest(np.zeros((1, 3)))
     trial.works([cell.bin.T_world_bin * lying], grasps, trial.usable(grasps))
+    hollow = replace(part.mesh, pieces=(part.mesh, part.mesh))
+    distance(hollow, lying, hollow, beyond)
 
 
 COMPRESSED = (

@@ -19,15 +19,9 @@ from workbench.cli.terminal import check_number, check_whole, progress, split_op
 from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.grippers.grippers import hand_beyond
-from workbench.formats.klampt.robots import read_rob
-from workbench.formats.klampt.world_reader import (
-    KlamptWorld,
-    box_around,
-    in_pieces,
-    read_klampt_world,
-)
 from workbench.formats.parts.reading import read_part
 from workbench.formats.robots.descriptions import Description, read_description
+from workbench.formats.robots.in_place import RobotInPlace, box_around, in_pieces
 from workbench.formats.robots.urdf_package import simplify_robot
 from workbench.model.cell import Arm, Cell, ScannerMount, Tool
 from workbench.model.derived.policies import POLICIES
@@ -36,6 +30,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Bin
 from workbench.model.robot import Robot
 from workbench.planning.collision.link_pairs import pairs_without_check
+from workbench.plugins.extras import from_extra
 from workbench.plugins.progress import Report
 from workbench.plugins.robot_link import controller_by, usual_link
 from workbench.studies.layout.arms import ends_of, right_first, standing, without_hands
@@ -123,7 +118,7 @@ def _laid_out(
     typed: CellNew,
     robot: Robot,
     arms: "_Arms",
-    world: KlamptWorld,
+    world: RobotInPlace,
     tools: tuple[Tool, ...],
     report: Report,
 ) -> tuple[LaidOut, Unchecked]:
@@ -156,16 +151,16 @@ def import_world(typed: arguments.Import) -> int:
     )
 
 
-def _read(typed: CellNew) -> tuple[KlamptWorld, Description]:
+def _read(typed: CellNew) -> tuple[RobotInPlace, Description]:
     """The robot with its meshes as they are, and what stands around it where the file tells."""
     if typed.urdf.is_dir():
         raise InputError(_file_to_name(typed.urdf))
     kind = typed.urdf.suffix.lower()
     if kind == ".xml":
-        world = read_klampt_world(typed.urdf)
+        world: RobotInPlace = from_extra("klampt.world_reader:read_klampt_world")(typed.urdf)
         return world, Description(world.robot)
     if kind == ".rob":
-        found = Description(read_rob(typed.urdf))
+        found = Description(from_extra("klampt.robots:read_rob")(typed.urdf))
     else:
         found = read_description(
             typed.urdf,
@@ -174,7 +169,7 @@ def _read(typed: CellNew) -> tuple[KlamptWorld, Description]:
             mesh_unit=typed.mesh_unit,
         )
     T_world_robot = pose_from_rpy(np.array(typed.position_mm) / 1000)
-    return KlamptWorld(found.robot, T_world_robot, np.empty(0), ()), found
+    return RobotInPlace(found.robot, T_world_robot, ()), found
 
 
 def _file_to_name(folder: Path) -> str:
@@ -236,7 +231,7 @@ def _read_fixed(typed: CellNew, found: Description) -> dict[str, float]:
     return values
 
 
-def _standing(typed: CellNew, cell: Cell, world: KlamptWorld) -> Cell:
+def _standing(typed: CellNew, cell: Cell, world: RobotInPlace) -> Cell:
     """The cell with the still things of a world, one of them its bin if that is said."""
     things = {thing.name: thing for thing in world.things}
     if typed.bin is not None:

@@ -9,13 +9,13 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.robots.motion_problems import read_motion_problems
 from workbench.model.cell import Policy
+from workbench.plugins.extras import from_extra
 from workbench.plugins.planner import planner_named
 from workbench.studies.motion.problems import cases_of
 from workbench.studies.motion.solving import (
     KLAMPT,
     OMPL,
     compare,
-    compare_with_klampt,
     figures,
     summary,
 )
@@ -54,7 +54,8 @@ def motion(typed: BenchMotion) -> int:
             report=report,
         )
         if typed.against == "klampt":
-            attempts += compare_with_klampt(cases, seconds=typed.seconds, report=report)
+            solve = from_extra("klampt.planning:solve_by_klampt", "--against klampt needs")
+            attempts += solve(cases, seconds=typed.seconds, report=report)
     other = None if typed.against is None else OTHERS[typed.against]
     planners = [typed.planner] if other is None else [typed.planner, other]
     rows = {name: summary(cases, attempts, name) for name in planners}

@@ -17,8 +17,9 @@ from workbench.cli.terminal import check_number, check_whole, print_json, print_
 from workbench.formats.cells.predictions import predictions_path, write_predictions
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
+from workbench.plugins.extras import from_extra
 from workbench.plugins.planner import planner_named
-from workbench.studies import klampt, localization, pairs, planners, plots, threshold
+from workbench.studies import localization, pairs, planners, plots, threshold
 from workbench.studies.cases import run_cases
 from workbench.studies.picking import picks
 
@@ -49,9 +50,8 @@ def bench_planners(typed: BenchPlanners) -> int:
             raise InputError(f"cell {cell.name}: none of {typed.targets} targets can be taken up")
         attempts = planners.compare(course, typed.planners, typed.iterations, report)
         if typed.against is not None:
-            by_klampt = klampt.attempts_by_klampt(
-                course, klampt.KLAMPT_PLANNERS, seconds=typed.seconds, report=report
-            )
+            solve = from_extra("klampt.planning:attempts_by_klampt", "--against klampt needs")
+            by_klampt = solve(course, seconds=typed.seconds, report=report)
     outcomes = Counter(target.outcome for target in course.targets)
     ours, theirs = planners.summary(attempts), planners.summary(by_klampt)
     if typed.plot is not None:

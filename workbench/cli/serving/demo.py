@@ -162,7 +162,7 @@ class Cycle:
         self._bench.do(WatchPlan(plan.digest, is_reported=True, row=row), ACTOR)
         self._stage("approve", Approve(plan.digest, row=row), Phase.APPROVED)
         if then is not None:
-            self._stage("send", SendPlan(plan.digest), *Phase, after=_next(state, then))
+            self._stage("send", SendPlan(plan.digest), *Phase, after=_next(then))
             state = self._bench.state
         else:
             state = self._stage("send", SendPlan(plan.digest), Phase.DONE, Phase.FAULT)
@@ -233,7 +233,7 @@ class Cycle:
         self._report(share, f"cycle {self._number}, {name}: {says}")
 
 
-def _next(state: State, seed: int) -> GoOn:
+def _next(seed: int) -> GoOn:
     """The wish to go on with the next pile as this one was planned."""
     wanted = MakePlan("", None, seed)
     return GoOn(TakeScan(seed, PARTS), FindParts(seed), wanted)

@@ -29,7 +29,7 @@ def export(typed: SessionExport) -> int:
     """Write the zip file, or the one for Foxglove."""
     with closing(open_journal(typed.session)) as journal:
         if typed.mcap:
-            from_extra("mcap.session:export_mcap", "this needs")(journal, typed.out)
+            from_extra("mcap.session:export_mcap")(journal, typed.out)
             return _report(typed.out)
         scene = None
         if not typed.no_scene and (state := _worth_seeing(journal)) is not None:

@@ -7,7 +7,6 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from workbench.app.evidence import verify
 from workbench.app.records.session_archive import list_session, open_journal
 from workbench.app.review.likeness import Likeness
 from workbench.app.review.recompute import recompute_tasks
@@ -15,6 +14,7 @@ from workbench.cli.arguments.session import SessionList, SessionReplay, SessionS
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table
 from workbench.formats.files.whole_files import MB, is_folder, read_whole
+from workbench.journal.anchors import anchor_problems, anchors_from
 from workbench.journal.journal import DATABASE, Journal
 from workbench.model.errors import FileError, JournalError
 
@@ -102,16 +102,13 @@ def verify_session(typed: SessionVerify) -> int:
 def _unlike(journal: Journal, path: Path) -> tuple[str, ...]:
     """Where a journal is not the one whose heads were kept elsewhere."""
     try:
-        anchors, torn = verify.anchors_from(read_whole(path, LARGEST_ANCHORS).decode())
+        anchors, torn = anchors_from(read_whole(path, LARGEST_ANCHORS).decode())
     except (TypeError, ValueError):
         raise FileError(path, "holds no anchors: a JSON object a line was expected") from None
     for remark in torn:
         print(remark)
-    entries = [
-        verify.JournalEntry(row.number, row.kind, row.body, row.files, row.previous, row.hash)
-        for row in journal.entries()
-    ]
-    return tuple(verify.anchor_problems(entries, journal.folder.resolve().name, anchors))
+    hashes = {row.number: row.hash for row in journal.entries()}
+    return tuple(anchor_problems(hashes, journal.folder.resolve().name, anchors))
 
 
 def replay_session(typed: SessionReplay) -> int:

@@ -18,7 +18,7 @@ HAND_SECONDS = 0.2
 """How long hands take to open or close; the arms stand meanwhile."""
 
 
-def configuration_at(leg: ProgramLeg, t: float) -> tuple[Floats, int]:
+def _configuration_at(leg: ProgramLeg, t: float) -> tuple[Floats, int]:
     """Where an arm is, (n,) [rad], `t` [s] after a leg began, and the waypoint it is going to.
 
     All joints go linearly from waypoint to waypoint; around each within the zone they follow a
@@ -145,7 +145,7 @@ class Motion:
     def _move(self, step: ProgramStep) -> None:
         where: dict[str, Floats] = {}
         for leg in step.legs:
-            q, point = configuration_at(leg, self._elapsed_time(step, leg))
+            q, point = _configuration_at(leg, self._elapsed_time(step, leg))
             arm = self._wrong or leg.arm
             if self._time > self._began:
                 self._points[arm] = point

@@ -76,7 +76,7 @@ class Request:
     words: tuple[str, ...]
 
 
-def check_of(text: str) -> int:
+def _check_of(text: str) -> int:
     """The check of a text: 0 to 65,520."""
     value = 0
     for code in text.encode("ascii"):
@@ -93,7 +93,7 @@ def line_bytes(form: Form, *words: str) -> bytes:
     separator = SEPARATORS[form.separator]
     text = separator.join(words)
     if form.check:
-        text = f"{text}{separator}{check_of(text):05d}"
+        text = f"{text}{separator}{_check_of(text):05d}"
     data = text.encode("ascii") + ENDS[form.end]
     if len(data) > form.longest:
         raise InputError(f"the line {text[:40]!r} has {len(data)} bytes, over {form.longest}")
@@ -113,7 +113,7 @@ def words_of(form: Form, line: bytes) -> tuple[str, ...]:
     text, separator = line.decode("ascii"), SEPARATORS[form.separator]
     if form.check:
         text, _, last = text.rpartition(separator)
-        if last != f"{check_of(text):05d}":
+        if last != f"{_check_of(text):05d}":
             raise BadLine("check")
     words = tuple(word.strip(" ") for word in text.split(separator))
     if not all(WORD.fullmatch(word) for word in words):

@@ -72,7 +72,7 @@ def pose_program_of(cell: Cell, plan: Plan, approval: Approval) -> PoseProgram:
     )
     poses: list[tuple[str, ...]] = []
     for name, hand, opening, q in stops:
-        numbers = pose_words(cell, np.asarray(q))
+        numbers = _pose_words(cell, np.asarray(q))
         poses.append(("POSE", UNPROVEN, name, hand, f"{opening * 1000:.1f}", *numbers))
     detection = plan.detections[arm_plan.detection]
     kinds = [part.name for part in cell.parts]
@@ -86,14 +86,14 @@ def pose_program_of(cell: Cell, plan: Plan, approval: Approval) -> PoseProgram:
     )
 
 
-def pose_words(cell: Cell, q: Floats) -> list[str]:
+def _pose_words(cell: Cell, q: Floats) -> list[str]:
     """Where the hand is at `q` (n,) [rad, m], chain order, as the numbers of the cell's maker."""
     given = pick_options(cell)
-    T = hand_pose(cell, cell.arms[0], q, frame=given.frame, pose_of=given.pose_of)
+    T = _hand_pose(cell, cell.arms[0], q, frame=given.frame, pose_of=given.pose_of)
     return _digits(convention(given.poses), T)
 
 
-def hand_pose(cell: Cell, arm: Arm, q: Floats, *, frame: str, pose_of: str) -> pin.SE3:
+def _hand_pose(cell: Cell, arm: Arm, q: Floats, *, frame: str, pose_of: str) -> pin.SE3:
     """The pose of an arm's TCP or flange at `q` (n,) [rad, m] in the robot's base or the world."""
     values = dict(zip(arm.joints, map(float, q), strict=True))
     T = cell.robot.link_poses(values)[arm.flange]

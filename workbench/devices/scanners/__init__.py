@@ -1,4 +1,4 @@
-"""Other scanners: cloud files, makers' libraries, merged.
+"""Scanners of cloud files; merged scanners.
 
 It may import `formats` and `model`, as all of `devices`.
 """

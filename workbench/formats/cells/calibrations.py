@@ -104,11 +104,11 @@ def record_table(record: CalibrationRecord) -> dict[str, str | int | float | lis
     if record.angle_error is not None:
         table["sure_deg"] = round(float(np.rad2deg(record.angle_error)), 5)
     if record.covariance is not None:
-        table["covariance"] = covariance_numbers(record.covariance)
+        table["covariance"] = _covariance_numbers(record.covariance)
     return table
 
 
-def covariance_numbers(covariance: Floats) -> list[float]:
+def _covariance_numbers(covariance: Floats) -> list[float]:
     """The 21 numbers of `covariance` in files, of one (6, 6) [m, rad]."""
     shown = covariance / np.outer(FILE_UNITS, FILE_UNITS)
     return [float(f"{value:.9g}") for value in shown[UPPER]]

@@ -173,7 +173,7 @@ def drop_draft(folder: Path) -> None:
         raise FileError(folder / DRAFT, error.strerror or "cannot be removed") from None
 
 
-def stated_besides(symmetry: Symmetry) -> dict[str, list[Any]]:
+def _stated_besides(symmetry: Symmetry) -> dict[str, list[Any]]:
     """What a file says of a symmetry beside its main axis; empty where it says nothing."""
     also = [{"axis": shorts(axis.axis, 6), "fold": axis.fold} for axis in symmetry.also]
     point = shorts(1000 * np.array(symmetry.point), 4) if any(symmetry.point) else []
@@ -187,7 +187,7 @@ def _save_symmetry(path: Path, symmetry: Symmetry) -> None:
     table = document["symmetry"]
     table["axis"] = shorts(symmetry.axis, 6)
     table["fold"] = symmetry.fold
-    for key, value in stated_besides(symmetry).items():
+    for key, value in _stated_besides(symmetry).items():
         table.pop(key, None)
         if value:
             table[key] = value

@@ -78,11 +78,6 @@ class Checked:
         return ENCODED if problem.what == ENCODED else self.uses.get(problem.name.lower(), "")
 
 
-def check_modules(paths: Sequence[Path], signals: Iterable[str] = ()) -> list[Problem]:
-    """All that is found in modules, by module, line and column; see `check`."""
-    return check(paths, signals).problems
-
-
 def check(paths: Sequence[Path], signals: Iterable[str] = ()) -> Checked:
     """Everything that is found in modules.
 

@@ -46,7 +46,7 @@ class Setup:
         return ControllerTasks(tasks, Configuration(signals))
 
 
-def read_module(path: Path) -> Source:
+def _read_module(path: Path) -> Source:
     """The only module of a file, whatever its encoding.
 
     Raises:
@@ -75,7 +75,7 @@ def read_setup(folder: Path) -> Setup:
         modules: list[Source] = []
         for module in row.texts("modules"):
             if module not in sources:
-                sources[module] = read_module(folder / f"{module}.mod")
+                sources[module] = _read_module(folder / f"{module}.mod")
             modules.append(sources[module])
         tasks[name] = TaskSetup(modules, row.text("arm", "", empty=True))
         row.finish()

@@ -4,13 +4,12 @@ from typing import Any
 
 import viser
 
-from workbench.app.evidence.acceptance import Targets, judge_acceptance, session_words
-from workbench.app.evidence.pages import html_page
-from workbench.app.review.commissioning import checklist
+from workbench.app.review.commissioning import Targets
 from workbench.app.runtime.bench import Bench
 from workbench.gui.help.groups import group
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
+from workbench.plugins.extras import from_extra
 
 FILE = "acceptance.html"
 
@@ -62,13 +61,7 @@ class AcceptanceControls:
             return
         seconds = float(self._seconds.value) or None
         targets = Targets(int(self._picks.value), float(self._share.value) / 100, seconds)
-        judged = judge_acceptance(
-            view.state,
-            [session_words(bench.folder.name, *bench.head)],
-            checklist(view.state, view.statistics, view.at),
-            view.statistics,
-            targets,
-            view.at,
-        )
-        content = html_page(judged.title, judged.tables)
+        page = from_extra("evidence.acceptance:acceptance_page")
+        session = bench.folder.name, *bench.head
+        content = page(view.state, session, view.statistics, targets, view.at)
         self._visitor.client.send_file_download(FILE, content)

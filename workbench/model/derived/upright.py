@@ -10,7 +10,7 @@ SAME = 1e-6
 """Directions whose cosine is by so much from 1 are one."""
 
 STEPS = 24
-"""Turns of a round part among which one that turns it upside down is looked for."""
+"""Turns of a round part, of which one may leave it upside down."""
 
 
 def tilt_from_vertical(axis: Floats) -> float:

@@ -57,7 +57,6 @@ class FileProblem(Text, subject="file-problem"):
     NO_CORNER = "has a triangle with a corner that does not exist"
     FLAT = "is flat: all its points lie in one plane"
     HUGE = "would be {size} m large; if it is in millimetres, scale it by 0.001"
-    NOT_CONVEX = "is called convex, but {detail}"
     NEEDS = "needs {name}, which is not in the same folder"
     NO_CAD = "holds no CAD file; one is expected"
     SEVERAL_CAD = "holds {count} CAD files: {names}; one is expected"

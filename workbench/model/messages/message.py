@@ -44,13 +44,6 @@ class FoundPart:
         return f"part-{self.index + 1}"
 
 
-Arg = "float | int | str | FoundPart | Message | tuple[Arg, ...]"
-"""Lengths [m], angles [rad], times [s], shares, counts, names, parts, messages, and lists of them.
-
-A name is shown as it is; only messages are translated.
-"""
-
-
 def places_of(template: str) -> Mapping[str, frozenset[str]]:
     """How each place of a template is shown, by its name."""
     found: dict[str, frozenset[str]] = {}
@@ -114,6 +107,9 @@ class Others(Text, subject="other"):
 @dataclass(frozen=True, slots=True, repr=False)
 class Message:
     """A text with its arguments by name.
+
+    Arguments are lengths [m], angles [rad], times [s], shares, counts, names, parts, messages, and
+    tuples of them.  A name is shown as it is; only messages are translated.
 
     Concurrency: immutable; any thread.
     """

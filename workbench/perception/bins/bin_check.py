@@ -76,16 +76,15 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
         finding = BinText.NO_RIM(reach=REACH)
         if above > OVER:
             finding = BinText.RIM_COVERED(reach=REACH, above=above)
-        return BinCheck(None, 0.0, 0.0, None, above, "bad", (finding,), is_overfull=above > OVER)
+        return BinCheck(None, 0.0, 0.0, None, above, "bad", (finding,))
     shift, turn = shift_and_turn(T)
     is_elsewhere = shift > SHIFTED or turn > TURNED
     p_bin = (p_bin - T.translation) @ T.rotation
     seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
     filling = filled(p_bin, bin, seen)
     fill, above = filling.fill, filling.above
-    is_overfull = _is_too_full(fill, above)
     findings: list[Message] = []
-    if is_overfull:
+    if _is_too_full(fill, above):
         findings.append(BinText.TOO_FULL(above=above))
     elif above > OVER:
         findings.append(BinText.STANDS_OUT(above=above))
@@ -109,7 +108,6 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
         tuple(findings),
         is_elsewhere=is_elsewhere,
         is_empty=is_empty,
-        is_overfull=is_overfull,
     )
 
 
@@ -118,18 +116,15 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
     seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
     filling = filled(p_bin, bin, seen)
     fill, above = filling.fill, filling.above
-    is_overfull, height = _is_too_full(fill, above), float(bin.size[2])
+    height = float(bin.size[2])
     findings: list[Message] = []
-    if is_overfull:
+    if _is_too_full(fill, above):
         findings.append(BinText.OVERFILLED(above=above, height=height))
     elif above > OVER:
         findings.append(BinText.STANDS_TOO_HIGH(above=above, height=height))
     if not seen.is_floor_seen:
         findings.append(BinText.NO_SURFACE(reach=FARTHEST))
-        return BinCheck(
-            None, 0.0, 0.0, None, above, "bad", tuple(findings), is_overfull=is_overfull,
-            has_walls=False,
-        )  # fmt: skip
+        return BinCheck(None, 0.0, 0.0, None, above, "bad", tuple(findings), has_walls=False)
     lean_x, lean_y = np.arctan2(2 * seen.floor[1:3], bin.size[:2])
     T = pose_from_rpy((0, 0, seen.floor[0]), (lean_y, -lean_x, 0))
     shift, turn = shift_and_turn(T)
@@ -150,7 +145,6 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
         tuple(findings),
         is_elsewhere=is_elsewhere,
         is_empty=is_empty,
-        is_overfull=is_overfull,
         has_walls=False,
     )
 

@@ -43,7 +43,7 @@ def standing_pose(box: Bin, plate: BallPlate) -> pin.SE3:
     return box.T_world_bin * pin.SE3(np.eye(3), middle)
 
 
-def plate_solids(plate: BallPlate) -> tuple[Solid, ...]:
+def _plate_solids(plate: BallPlate) -> tuple[Solid, ...]:
     """The balls, rods between them, and one to hold the plate by, in the plate's frame."""
     centres = plate.centres
     solids = [
@@ -83,7 +83,7 @@ def scan_plate(
         InputError: nothing is within the scanner's range.
     """
     scene = cell_scene(cell, Ts_world_link)
-    add_solids(scene, plate_solids(plate), T_world_plate)
+    add_solids(scene, _plate_solids(plate), T_world_plate)
     mount = cell.scanner
     rays = Pinhole.of_scanner(mount).rays().reshape(-1, 3)
     directions = rays @ T_world_scanner.rotation.T

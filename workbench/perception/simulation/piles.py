@@ -144,11 +144,11 @@ def _settle(
 def _stays(bin: Bin, part: Part, T_bin_part: pin.SE3) -> bool:
     """Whether a part that fell has come to lie in the bin; over the edge of a surface it may."""
     if bin.has_walls:
-        return is_inside(part.mesh.points, T_bin_part, bin)
+        return _is_inside(part.mesh.points, T_bin_part, bin)
     return is_in_bin(bin, part, bin.T_world_bin * T_bin_part)
 
 
-def is_inside(points: Floats, T_bin_part: pin.SE3, bin: Bin) -> bool:
+def _is_inside(points: Floats, T_bin_part: pin.SE3, bin: Bin) -> bool:
     """Whether all of the part's points (n, 3) [m] are between the walls and above the floor."""
     p_bin = points @ T_bin_part.rotation.T + T_bin_part.translation
     across = np.abs(p_bin[:, :2]).max(axis=0)

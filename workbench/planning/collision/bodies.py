@@ -72,7 +72,7 @@ def part_label(number: int) -> str:
 
 
 def _link_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
-    carriers = arm_of_joint(cell, kinematics)
+    carriers = _arm_of_joint(cell, kinematics)
     bodies: list[Body] = []
     for link in cell.robot.links:
         joint, T_joint_link = kinematics.frames[link.name]
@@ -148,7 +148,7 @@ def _housing_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
     ]
 
 
-def arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
+def _arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
     """For every joint of the model the arm that it belongs to, -1 for the world."""
     carriers = [-1] * kinematics.model.njoints
     for index, arm in enumerate(cell.arms):

@@ -113,11 +113,6 @@ def starts_of(chain: Chain, arm: Arm, seed: int) -> Floats:
     return frozen(np.vstack([home, (chain.lower + chain.upper) / 2, far, near]))
 
 
-def has_closed_form(chain: Chain) -> bool:
-    """Whether all configurations of an arm are known, so that no answer means out of reach."""
-    return _closed_form(chain) is not None
-
-
 def _answers(q: Floats, residuals: Floats, *, is_complete: bool) -> Answers:
     nearest = int((residuals @ (1.0, 0.1)).argmin())
     found = q[is_solution(residuals)]

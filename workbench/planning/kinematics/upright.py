@@ -21,7 +21,7 @@ FINE = 0.0005
 """[rad] Sets that may tilt a part by less than this are not halved: the proof allows more."""
 
 HALVES = 64
-"""Sets that wait to be looked at, at most: each is half as large as the one before."""
+"""Sets that wait for a check, at most: each is half as large as the one before."""
 
 WITHIN = 0.8
 """Share of the limit to which a part that is tilted too far is turned back."""

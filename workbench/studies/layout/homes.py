@@ -52,7 +52,7 @@ def side_of(cell: Cell, arm: Arm) -> float:
     return -1.0 if arm.name == first else 1.0
 
 
-def nearest_to_zero(q: Floats, lower: Floats, upper: Floats, slides: Floats) -> Floats:
+def _nearest_to_zero(q: Floats, lower: Floats, upper: Floats, slides: Floats) -> Floats:
     """The same configuration (n,) [rad, m] with each joint as near to zero as whole turns bring it.
 
     `lower`, `upper` and `slides` (n,) are those of a `Chain`: slides, marked by 1, have no turns.
@@ -107,7 +107,7 @@ def _answers(cell: Cell, arm: Arm, chain: Chain, away: float, up: float) -> list
 
 def _order(chain: Chain, answers: Iterable[Floats]) -> list[Floats]:
     """Configurations (n,) far from the limits first, then with the elbow high, then near zero."""
-    near = [nearest_to_zero(q, chain.lower, chain.upper, chain.slides) for q in answers]
+    near = [_nearest_to_zero(q, chain.lower, chain.upper, chain.slides) for q in answers]
     return sorted(near, key=lambda q: _awkwardness(chain, q))
 
 

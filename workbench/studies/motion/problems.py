@@ -43,7 +43,7 @@ class Case:
     invalid: str
 
 
-def case_of(name: str, robot: str, number: int, problem: MotionProblem, policy: Policy) -> Case:
+def _case_of(name: str, robot: str, number: int, problem: MotionProblem, policy: Policy) -> Case:
     """A problem of the set `name`, the `number`-th in it."""
     world = World(_cell_of(problem, policy), ())
     world.enter(LegPhase(frozenset({ARM})))
@@ -94,7 +94,7 @@ def _cell_of(problem: MotionProblem, policy: Policy) -> Cell:
 def cases_of(sets: Sequence[MotionSet], policy: Policy) -> list[Case]:
     """All problems made ready, to be planned by that policy."""
     return [
-        case_of(motion_set.name, motion_set.robot, number, problem, policy)
+        _case_of(motion_set.name, motion_set.robot, number, problem, policy)
         for motion_set in sets
         for number, problem in enumerate(motion_set.problems)
     ]

@@ -16,8 +16,7 @@ from workbench.planning.picking.route import free_path
 from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, search_path
 from workbench.planning.planners.clock import working_time
 from workbench.planning.planners.ompl_planners import RRT_CONNECT
-from workbench.plugins.progress import Report, silent
-from workbench.studies.klampt import paths_by_klampt
+from workbench.plugins.progress import Report
 from workbench.studies.motion.problems import ARM, Case
 
 OMPL_ITERATIONS = 1_000_000
@@ -65,36 +64,6 @@ def compare(
         if with_ompl:
             attempts.append(attempt(case, OMPL, seed, seconds))
     return attempts[1 + with_ompl :]
-
-
-def compare_with_klampt(cases: Sequence[Case], *, seconds: float, report: Report) -> list[Attempt]:
-    """Every case that is not invalid by Klamp't's SBL, each in a process of its own.
-
-    What it finds is as its search leaves it: neither shortened nor rounded.  Where it sees an end
-    touch something it has no path.
-
-    Args:
-        cases: made by `cases_of`.
-        seconds: [s] that a plan may take.
-        report: progress.
-
-    Raises:
-        InputError: Klamp't is not installed, or ends before it is done.
-    """
-    valid = [case for case in cases if not case.invalid]
-    attempts: list[Attempt] = []
-    for number, case in enumerate(valid):
-        report(number / len(valid), f"Klamp't, {case.name}")
-        joints, goals = case.world.arm(ARM).joints, [case.goal]
-        (path,) = paths_by_klampt(
-            case.world, joints, case.start, goals, ["sbl"], seconds=seconds, report=silent
-        )
-        attempts.append(
-            Attempt(
-                KLAMPT, case.name, case.robot, case.number, path.seconds, path.processor, path.path
-            )
-        )
-    return attempts
 
 
 def attempt(case: Case, planner: str, seed: int, seconds: float) -> Attempt:

@@ -69,7 +69,7 @@ def measure(
         whole = working_time() - began
         found = list(fates_of(result.candidates, len(pile)))
         if cell.stations:
-            found = list(with_stations(cell, pile, result, found, pile_seed, overrides))
+            found = list(_with_stations(cell, pile, result, found, pile_seed, overrides))
         fates.update(found)
         for stage, value in result.seconds.items():
             seconds[stage].append(value)
@@ -96,7 +96,7 @@ def fates_of(candidates: Sequence[Candidate], parts: int) -> Iterator[str]:
             yield str(max(mine, key=lambda verdict: verdict.progress).reason)
 
 
-def with_stations(
+def _with_stations(
     cell: Cell,
     pile: tuple[Detection, ...],
     result: PlanResult,

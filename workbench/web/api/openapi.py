@@ -98,13 +98,13 @@ def _call(call: Call) -> Description:
         + (" Also while somebody else is in control." if right.without_control else ""),
         "requestBody": {
             "required": any(field.is_required for field in call.fields),
-            "content": {JSON: {"schema": body_schema(call.fields)}},
+            "content": {JSON: {"schema": _body_schema(call.fields)}},
         },
         "responses": answers,
     }
 
 
-def body_schema(fields: tuple[Field, ...]) -> schemas.Schema:
+def _body_schema(fields: tuple[Field, ...]) -> schemas.Schema:
     """What a body may be."""
     return {
         "type": "object",

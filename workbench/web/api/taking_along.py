@@ -110,14 +110,14 @@ async def _send(request: web.Request, file: Path) -> web.StreamResponse:
 
 def _session(folder: Path, file: Path) -> None:
     with closing(open_journal(folder)) as journal:
-        export_session(journal, file, None, log_file())
+        export_session(journal, file, None, _log_file())
 
 
 def _backup(root: Path, file: Path) -> None:
     write_backup(root, file, KINDS[:-1], {})
 
 
-def log_file() -> Path | None:
+def _log_file() -> Path | None:
     """Where the server writes its log, if it writes one."""
     handlers = logging.getLogger().handlers
     files = (

@@ -69,7 +69,7 @@ def listen(host: str, port: int) -> socket.socket:
             bound.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 0)
         bound.bind(address)
         bound.listen(BACKLOG)
-        bear_slow_lines(bound)
+        _bear_slow_lines(bound)
     except OSError as error:
         bound.close()
         raise _not_had(host, port, error) from error
@@ -81,7 +81,7 @@ MOST_UNSENT = 16 * 1024
 drawn is the newest only as long as it is here that it waits."""
 
 
-def bear_slow_lines(bound: socket.socket) -> None:
+def _bear_slow_lines(bound: socket.socket) -> None:
     """Let little wait in the machine; and do not take each lost packet for a jam, if we may.
 
     With 2 % of them lost and 200 ms there and back the usual control of TCP uses a third of a

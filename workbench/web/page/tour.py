@@ -42,10 +42,10 @@ def tour_of(state: State, person: Person) -> Sequence[str] | None:
     cell = state.cell
     is_simulated = cell.scanner.source == "simulated" and is_loopback(cell.controller.host)
     may = all(person.role.covers(command.right.role) for command in (TakeScan, SendPlan))
-    return steps_done(state, person) if is_simulated and may else None
+    return _steps_done(state, person) if is_simulated and may else None
 
 
-def steps_done(state: State, person: Person) -> Sequence[str]:
+def _steps_done(state: State, person: Person) -> Sequence[str]:
     """Those of `STEPS` that are done, by whoever; the plan has to be played before this person."""
     count = REACHED[state.phase]
     if state.phase is Phase.LOCALIZED and not state.detections:

@@ -19,7 +19,7 @@ CONTROL = bytes(code for code in range(32) if code not in b"\t\n\f\r\x1a")
 ENCODED = "an encoded module: what it declares is not known here"
 
 
-def text_of(data: bytes) -> str:
+def _text_of(data: bytes) -> str:
     """The text of a file: Unicode where it is that, else the code page of Western Windows."""
     for mark, encoding in MARKS:
         if data.startswith(mark):
@@ -41,10 +41,10 @@ def _western(data: bytes) -> Sequence[str]:
 
 def lines_of(data: bytes) -> str:
     """The text of a file with line feeds alone between its lines."""
-    return text_of(data).replace("\r\n", "\n").replace("\r", "\n").replace("\x0c", "\n")
+    return _text_of(data).replace("\r\n", "\n").replace("\r", "\n").replace("\x0c", "\n")
 
 
-def is_encoded(data: bytes) -> bool:
+def _is_encoded(data: bytes) -> bool:
     """Whether a controller has encoded a module, so that nobody reads it."""
     if any(data.startswith(mark) for mark, _ in MARKS):
         return False
@@ -69,7 +69,7 @@ def read_modules(path: Path, shown: str) -> tuple[list[Source], list[Problem]]:
         # The other files of a backup are read all the same.
         what = "a pointer of git-lfs: fetch the file (git lfs pull)"
         raise BadModule([Problem(shown, 1, 1, what, UNREADABLE)]) from None
-    if is_encoded(data):
+    if _is_encoded(data):
         raise BadModule([Problem(shown, 1, 1, ENCODED, UNKNOWN_NAME, path.name)])
     text = lines_of(data)
     if not text.strip():

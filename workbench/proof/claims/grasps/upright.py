@@ -1,8 +1,8 @@
 """Whether a part that has to stay upright does, from where it lies to its place.
 
-Whatever the controller makes of the waypoints is looked at in sets of configurations.  A turn of a
-joint tilts what it carries by no more than itself, so a set tilts a part by at most the tilt in
-its middle and the sum of what the joints turn; where that is too much the set is halved.
+Whatever the controller makes of the waypoints is checked in sets of configurations.  A turn of a
+joint tilts what it carries by no more than itself.  So a set tilts a part by no more than the tilt
+in its middle and the sum of what the joints turn.  Where that is too much the set is halved.
 """
 
 from collections.abc import Iterator
@@ -20,7 +20,7 @@ from workbench.proof.claims.tolerances import TILTED
 from workbench.proof.engine.robot import Tree
 
 MOST_SETS = 20_000
-"""Sets of a leg that are looked at; one that needs more is refused."""
+"""Sets of a leg that are checked; one that needs more is refused."""
 
 
 def upright_violations(

@@ -1,0 +1,1 @@
+"""Closed surfaces from scans with known poses."""

@@ -1,4 +1,0 @@
-"""Robots and worlds of Klamp't.
-
-Imports `files`, `meshes` and `robots`.
-"""

@@ -1,4 +1,0 @@
-"""Closed surfaces from scans with known poses.
-
-Imports `views`.
-"""
