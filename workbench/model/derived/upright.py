@@ -34,7 +34,7 @@ def tilting_axis(part: Part, found: Detection) -> tuple[Floats, float]:
         along = float(roll @ axis)
         most -= float(np.arctan2(np.linalg.norm(np.cross(roll, axis)), abs(along)))
         axis = roll if along >= 0.0 else -roll
-    if found.T_world_part.rotation[2] @ axis < 0.0 and _is_alike_upside_down(part):
+    if found.T_world_part.rotation[2] @ axis < 0.0 and _is_alike_upside_down(part, axis):
         axis = -axis
     return axis, most
 
@@ -51,6 +51,7 @@ def leans_too_far(part: Part, found: Detection, R_world_part: Floats) -> float |
     return None if tilt <= most else min(tilt + part.tilt - most, np.pi)
 
 
-def _is_alike_upside_down(part: Part) -> bool:
-    ends = part.symmetry.motions(STEPS)[:, :3, :3] @ part.upright @ part.upright
+def _is_alike_upside_down(part: Part, axis: Floats) -> bool:
+    """Whether some turn of a part's symmetry reverses an axis (3,)."""
+    ends = part.symmetry.motions(STEPS)[:, :3, :3] @ axis @ axis
     return bool((ends < SAME - 1.0).any())
