@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
-import viser
 
 from workbench.app.core.state import State
 from workbench.gui.grasps.editing import Editing
@@ -115,11 +114,10 @@ class CopySteps:
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._back = gui.add_button(
             "Previous copy",
-            icon=viser.Icon.CHEVRON_LEFT,
             color="gray",
             hint="All that the grasp stands for: of a pattern, of symmetry, and what is left free.",
         )
-        self._forth = gui.add_button("Next copy", icon=viser.Icon.CHEVRON_RIGHT, color="gray")
+        self._forth = gui.add_button("Next copy", color="gray")
         self._line = gui.add_html("")
         self._back.on_click(lambda _: self._go(-1))
         self._forth.on_click(lambda _: self._go(1))
