@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from workbench.app.core.state import State
@@ -10,6 +11,7 @@ from workbench.app.statistics.cycles import CycleRecord, PickRecord
 from workbench.app.statistics.statistics import Statistics
 from workbench.formats.cells.reading import read_cell
 from workbench.model.calibration import CalibrationRecord
+from workbench.model.scan import Scan
 
 NOW = 1_800_000_000.0
 
@@ -81,6 +83,13 @@ def test_a_real_scanner_that_was_never_calibrated_is_next(cell, state):
     scanner = replace(cell.scanner, source="folder", calibration=None)
     checked = checklist(replace(state, cell=replace(cell, scanner=scanner)), Statistics(), NOW)
     assert next_step(checked) is Step.CALIBRATION
+
+
+def test_a_scan_from_a_file_asks_for_a_calibration(cell, state):
+    points = np.array([[0.0, 0.0, 1.0]])
+    for source, is_done in (("simulated", True), ("file", False)):
+        scan = Scan(points, cell.scanner.T_world_scanner, source)
+        assert said(replace(state, scan=scan))[Step.CALIBRATION][0] is is_done
 
 
 def test_merged_scanners_have_their_own_calibrations(cell, state):

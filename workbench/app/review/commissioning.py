@@ -12,6 +12,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.messages.cells import CommissioningText
 from workbench.model.messages.message import Message
+from workbench.model.scan import Scan
 
 DAY = 24 * 3600.0
 """[s]"""
@@ -84,7 +85,7 @@ def checklist(state: State, statistics: Statistics, now: float) -> tuple[Checked
     picked = text.PICKS(picked=statistics.picked, count=len(picks))
     return (
         _load(state.cell),
-        _calibration(state.cell, now),
+        _calibration(state.cell, state.scan, now),
         _grasps(state.cell),
         _of(Step.SCAN, state.scan is not None or has_run, text.SCAN(), text.NO_SCAN()),
         _of(Step.PARTS, bool(found) or has_run, parts, text.NO_PARTS()),
@@ -109,7 +110,7 @@ def _load(cell: Cell) -> CheckedStep:
     return _of(Step.LOAD, not missing, done, CommissioningText.NO_LOAD(tools=missing))
 
 
-def _calibration(cell: Cell, now: float) -> CheckedStep:
+def _calibration(cell: Cell, scan: Scan | None, now: float) -> CheckedStep:
     scanner, text = cell.scanner, CommissioningText
     if scanner.calibration is not None:
         days = int(max(0.0, now - scanner.calibration.at) // DAY)
@@ -119,8 +120,8 @@ def _calibration(cell: Cell, now: float) -> CheckedStep:
     if scanner.source == "merged":
         # It takes no view of a scanner that is not calibrated.
         return CheckedStep(Step.CALIBRATION, True, text.MERGED())
-    # A made-up scanner hangs where the cell says.
-    is_simulated = scanner.source == "simulated"
+    # A simulated scanner hangs where the cell says; the one of a scan from a file may not.
+    is_simulated = scanner.source == "simulated" and (scan is None or scan.source == "simulated")
     return _of(Step.CALIBRATION, is_simulated, text.SIMULATED(), text.NOT_CALIBRATED())
 
 
