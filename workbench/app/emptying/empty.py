@@ -22,7 +22,7 @@ from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
 from workbench.model.derived.assembling import assembled_kinds
 from workbench.model.derived.by_recipe import kit_of, wanted_parts
-from workbench.model.derived.by_view import by_each_view, view_name
+from workbench.model.derived.by_view import by_each_view, view_name, views_of
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import LeftText
@@ -41,7 +41,7 @@ from workbench.plugins.localizer import find_parts
 from workbench.plugins.progress import Cancelled, Report, never, silent
 
 IDLE = 3
-"""So many looks in a row that bring no plan end it."""
+"""So many looks in a row that bring no plan end it; of a bin with more views as many as these."""
 
 SEEDS = 1000
 """Each pile has this many seeds for its looks; no bin takes as many."""
@@ -107,7 +107,8 @@ def empty_pile(
     avoided: list[tuple[Detection, int]] = []
     idle = failures = 0
     seen_for = 0.0
-    while lying and idle < IDLE and failures < MOST_FAILURES:
+    most_idle = max(IDLE, len(views_of(cell)))
+    while lying and idle < most_idle and failures < MOST_FAILURES:
         if cancelled():
             raise JobCancelled(CancelText.EMPTYING())
         note = ProgressText.TAKEN(taken=tally.taken, count=task.count)
