@@ -8,6 +8,7 @@ from workbench.app.core.cell.emptying import emptying_words
 from workbench.app.core.cell.kits import kit_problem, lacks_of
 from workbench.app.core.cell.views import (
     choose_view,
+    missing_view,
     next_view,
     next_view_message,
     with_nothing_seen,
@@ -97,6 +98,8 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
     if job is None or job.then is None or after.job is not None:
         return after, ()
     match job.name, after.phase:
+        case "scan", Phase.SCANNED if name := missing_view(after):
+            return _from_view(name, after, entry, job.then)
         case "scan", Phase.SCANNED:
             return find_parts(after, entry, job.then.find, then=job.then)
         case "localize", Phase.LOCALIZED:
@@ -107,7 +110,7 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
                 return _without_kit_part(replace(after, message=problem), entry, job.then)
             return make_plan(after, entry, job.then.plan, then=job.then)
         case "localize" | "plan", _ if is_nothing_taken(after) and next_view(after):
-            return _from_next_view(after, entry, job.then)
+            return _from_view(next_view(after), after, entry, job.then)
         case _ if is_exhausted(after) and before.phase is not Phase.SENDING:
             return from_next_bin(after, entry, job.then)
         case "scan" | "localize", _:
@@ -126,10 +129,10 @@ def from_next_bin(state: State, entry: Entry, then: "GoOn") -> Decision:
     return _ended(replace(state, message=all_of((as_message(state.message), said)))), ()
 
 
-def _from_next_view(state: State, entry: Entry, then: "GoOn") -> Decision:
-    """The cycle with the next view of the bin: its scan where the arm is there, else the path."""
+def _from_view(name: str, state: State, entry: Entry, then: "GoOn") -> Decision:
+    """The cycle with another view of the bin: its scan where the arm is there, else the path."""
     why = as_message(state.message)
-    after, effects = choose_view(state, next_view(state))
+    after, effects = choose_view(state, name)
     carrier, joints = after.cell.scanner.on_arm, standing_joints(after.cell, entry.joints)
     if carrier is None or view_problem(after.cell, joints) is None:
         begun, tasks = take_scan(after, entry, then.scan, then=then)
@@ -146,9 +149,9 @@ def _without_kit_part(state: State, entry: Entry, then: "GoOn") -> Decision:
     after = state
     if lacks_of(state):
         after = with_nothing_seen(state)
-        if next_view(after):
+        if name := next_view(after):
             message = all_of((as_message(state.message), next_view_message(after)))
-            return _from_next_view(replace(after, message=message), entry, then)
+            return _from_view(name, replace(after, message=message), entry, then)
         passed = (*state.kit.bins_without, state.cell.bin.name)
         after = replace(after, kit=replace(state.kit, bins_without=passed))
         if name := next_bin(after):
