@@ -11,12 +11,9 @@ from workbench.app.core.cell.bins import NewBin
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.cell.views import ChooseView, missing_view
 from workbench.app.core.cycle.ahead import GoOn
-from workbench.app.core.cycle.approval import Approve
-from workbench.app.core.cycle.parts import FindParts, UseDetections
-from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.outcomes import AcknowledgeFault
+from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.cycle.scanning import TakeScan
-from workbench.app.core.cycle.sending import SendPlan
-from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import SESSION_START
 from workbench.app.core.session import Opened
 from workbench.app.core.state import Phase, State
@@ -122,6 +119,8 @@ def test_what_may_have_changed_the_bin_makes_the_earlier_scan_void(cell):
     for change in (NewBin("right"), ChangeCell(walls, "other walls")):
         line.state = waiting
         assert line.do(change).earlier is None
+    line.state = replace(waiting, phase=Phase.FAULT, fault="stopped on the path")
+    assert line.do(AcknowledgeFault()).earlier is None
     line.state = waiting
     assert line.do(Opened(), SESSION_START).earlier is None
 
@@ -150,17 +149,3 @@ def test_without_merging_nothing_stays(line):
     assert missing_view(line.state) == ""
     found = Detection("keyed_cylinder", pose_from_rpy((0.4, 0, 0.02)))
     assert line.do(UseDetections((found,))).earlier is None
-
-
-def test_once_parts_are_taken_the_earlier_scan_is_void(samples):
-    line, scan = Line(samples.cell), samples.scan()
-    line.do(TakeScan())
-    line.ended(scan)
-    line.do(FindParts())
-    line.ended(samples.detections())
-    line.do(MakePlan())
-    plan = line.ended(samples.planned(scan.digest)).plan.digest
-    line.state = replace(line.state, earlier=scan)
-    for command in (WatchPlan(plan), Approve(plan)):
-        assert line.do(command).earlier is scan
-    assert line.do(SendPlan(plan)).earlier is None
