@@ -109,7 +109,9 @@ def test_a_cycle_scans_from_each_view_by_approved_paths_and_plans_for_the_merged
         screen.press("Send")
         reaches("done")
         screen.wait_for(f"The left arm stands at view {view}")
-        wait(lambda: is_at_view(bench.state.cell, bench.live.joints), "the arm to be reported there")
+        wait(
+            lambda: is_at_view(bench.state.cell, bench.live.joints), "the arm to be reported there"
+        )
         screen.press("Next cycle")
         state = reaches("planned")
         assert (view_name(state.cell), state.plan.is_view_plan) == ("low", bool(following))
