@@ -56,8 +56,11 @@ def six_axes_cell(link: str) -> Cell:
     return replace(cell, controller=controller_by(link, "127.0.0.1", 30002, RTDE_PORT))
 
 
-def with_lower_view(cell: Cell, *, by: float = 0.05) -> Cell:
-    """The cell with a second view, called low, whose scanner is `by` [m] below the first one's."""
+def with_lower_view(cell: Cell, *, by: float = 0.05, merges: bool = False) -> Cell:
+    """The cell with a second view, called low, whose scanner is `by` [m] below the first one's.
+
+    With `merges` each scan is merged from both.
+    """
     carrier = cell.scanner.on_arm
     assert carrier is not None
     T_world_scanner = pin.SE3(cell.scanner.T_world_scanner)
@@ -68,5 +71,5 @@ def with_lower_view(cell: Cell, *, by: float = 0.05) -> Cell:
     answers, residuals = chain.solve(T_world_tcp, np.array([carrier.view.q]))
     assert is_solution(residuals).all()
     first, low = replace(carrier.view, number=1), ScanPosture("low", answers[0], number=2)
-    views = replace(carrier, view=first, other_views=(low,))
+    views = replace(carrier, view=first, other_views=(low,), merges_views=merges)
     return replace(cell, scanner=replace(cell.scanner, on_arm=views))

@@ -14,24 +14,28 @@ from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
+from workbench.model.derived.by_view import view_name
 from workbench.plugins.robot_link import Simulation
 
 
-def two_views():
-    return with_lower_view(on_arm_cell())
+@pytest.fixture
+def merges():
+    return False
 
 
 @pytest.fixture
-def controller():
+def cell(merges):
+    return with_lower_view(on_arm_cell(), merges=merges)
+
+
+@pytest.fixture
+def controller(cell):
     with in_threads() as started:
-        yield started(
-            SimulatedController(parked(two_views()), Simulation(speed=5.0), patience=PATIENT)
-        )
+        yield started(SimulatedController(parked(cell), Simulation(speed=5.0), patience=PATIENT))
 
 
 @pytest.fixture
-def bench(controller, tmp_path):
-    cell = two_views()
+def bench(cell, controller, tmp_path):
     there = replace(cell.controller, port=controller.port, state_port=controller.state_port)
     effects = functools.partial(EffectRunner, patience=PATIENT)
     bench = Bench(replace(cell, controller=there), Journal(tmp_path / "session"), effects=effects)
@@ -86,4 +90,34 @@ def test_go_to_view_is_planned_approved_sent_a_scan_is_taken_and_the_way_back_pl
     assert state.plan.is_view_plan and state.proof.holds and state.scan is None
     screen.wait_for("The left arm takes the scanner home, clear of the whole bin")
     screen.shoot("view-3-back")
+    assert not screen.errors
+
+
+@pytest.mark.extensive
+@pytest.mark.parametrize("merges", [True])
+def test_a_cycle_scans_from_each_view_by_approved_paths_and_plans_for_the_merged_scan(
+    screen, bench, reaches, wait
+):
+    wait(lambda: bool(bench.live.joints), "the controller to report")
+    screen.wait_for("Take the scanner to its view to begin")
+    screen.press("Go to view")
+    reaches("planned")
+    for view, following in (("bin", "low"), ("low", "")):
+        seen(bench)
+        approve(screen, "Anna")
+        reaches("approved")
+        screen.press("Send")
+        reaches("done")
+        screen.wait_for(f"The left arm stands at view {view}")
+        wait(
+            lambda: is_at_view(bench.state.cell, bench.live.joints), "the arm to be reported there"
+        )
+        screen.press("Next cycle")
+        state = reaches("planned")
+        assert (view_name(state.cell), state.plan.is_view_plan) == ("low", bool(following))
+        assert state.approval is None, "a person approves it"
+        screen.shoot(f"merged-{view}")
+    assert [view.name for view in state.scan.views] == ["bin", "low"]
+    assert not any(view.is_off for view in state.scan.views)
+    assert len(state.detections) == 2 and state.proof.holds
     assert not screen.errors

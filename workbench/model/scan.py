@@ -12,6 +12,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copy_pose, frozen, put
 from workbench.model.messages.calibration import ObjectionText, ScaleText, ScanText
 from workbench.model.messages.message import FoundPart, Message
+from workbench.model.robot import ScannedView
 
 ALL_KINDS = "all"
 """Instead of a part's name: every kind that the cell picks, one of each in turn."""
@@ -31,7 +32,8 @@ class Scan(FactsRepr):
     it is not part of the digest, so the same points are the same scan.  `colours` (n, 3) are red,
     green and blue of each point, 0 to 255 as sRGB has them, None where the scanner gives none.
     `joints` (name -> rad, m) is how the robot stood where an arm carries the scanner, which
-    `T_world_scanner` follows from; None where the scanner stands, or nobody knows.
+    `T_world_scanner` follows from; None where the scanner stands, or nobody knows.  `views` are
+    those that it is merged from, the last one taken at `joints` (`derived.scan_views`).
     """
 
     points: Floats
@@ -42,6 +44,7 @@ class Scan(FactsRepr):
     at: float = 0.0
     colours: np.ndarray | None = field(default_factory=lambda: None, metadata=LATER)
     joints: Mapping[str, float] | None = field(default_factory=lambda: None, metadata=LATER)
+    views: tuple[ScannedView, ...] = field(default_factory=tuple, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -56,6 +59,8 @@ class Scan(FactsRepr):
             raise InputError(
                 ScanText.COLOURS(points=len(points), shape=str(np.shape(self.colours)))
             )
+        if self.views and sum(view.count for view in self.views) != len(points):
+            raise InputError(ScanText.VIEWS(points=len(points)))
         put(
             self,
             points=points,

@@ -67,13 +67,17 @@ class PointPairs:
         """All parts of all kinds that the cell picks."""
         from workbench.perception.colours.telling import resolve_by_colour
         from workbench.perception.localization.kinds import localize_parts
+        from workbench.perception.localization.several_views import localize_in_views
 
-        return localize_parts(
-            scan,
-            cell,
-            seed=seed,
-            detail=detail,
-            report=report,
-            cancelled=cancelled,
-            resolve_by_colour=resolve_by_colour,
-        )
+        def localize(view: Scan, report: Report) -> LocalizationResult:
+            return localize_parts(
+                view,
+                cell,
+                seed=seed,
+                detail=detail,
+                report=report,
+                cancelled=cancelled,
+                resolve_by_colour=resolve_by_colour,
+            )
+
+        return localize_in_views(scan, cell, localize, detail=detail, report=report)

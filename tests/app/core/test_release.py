@@ -314,3 +314,10 @@ def test_the_state_says_what_has_overtaken_the_plan(watched, cell, samples):
     assert str(state.stale) == f"plan {digest} is stale: there is a newer scan"
     assert (state.plan, state.approval, state.watched, state.votes) == (None, None, (), ())
     assert not [effect for effect in watched.effects if isinstance(effect, Send)]
+
+
+def test_once_parts_are_taken_no_scan_before_is_merged_with_the_next(watched):
+    state, plan = watched.state, watched.state.plan.digest
+    watched.state = replace(state, earlier=state.scan)
+    assert watched.do(Approve(plan)).earlier is state.scan
+    assert watched.do(SendPlan(plan)).earlier is None

@@ -8,7 +8,7 @@ from arm_scanner_cell import before_view, on_arm_cell, with_lower_view
 from idle import Idle
 from line import Line, refused
 
-from workbench.app.core.cell.bins import ChooseBin
+from workbench.app.core.cell.bins import ChooseBin, NewBin
 from workbench.app.core.cell.changes import CellRead, ChangeCell, UndoCell
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.cell.views import ChooseView
@@ -17,18 +17,23 @@ from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.effects import StartJob
 from workbench.app.core.people import CELL_FILE, Role
-from workbench.app.core.state import Phase
+from workbench.app.core.state import Phase, State
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.viewing.view_plan import plan_view
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
+from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import view_name, views_of, with_view
 from workbench.model.digest import digest_of
+from workbench.model.errors import JobCancelled
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.work import CancelText
+from workbench.model.plan import PlanResult
+from workbench.model.recipes.kit import KitItem, KitPart, KitProgress
 from workbench.model.recipes.recipe import Recipe
-from workbench.model.scan import Scan
+from workbench.model.scan import Detection, Scan
 
 
 @pytest.fixture(scope="session")
@@ -125,6 +130,120 @@ def test_a_cycle_ends_where_the_arm_has_to_go_to_the_view_of_the_next_bin(cell):
     assert (state.cell.bin.name, view_name(state.cell), state.job) == ("left", "low", None)
     assert "nothing is left to take in bin right" in str(state.message)
     assert "does not stand at view low" in str(state.message)
+
+
+@pytest.fixture
+def done(cell, line) -> Line:
+    """After a finished cycle, with the arm at the first view."""
+    line.joints = standing(cell)
+    line.state = replace(line.state, phase=Phase.DONE)
+    return line
+
+
+def shows(line: Line, detections: tuple[Detection, ...]) -> State:
+    """The state after the scan and the search of a cycle."""
+    T_world_scanner = line.state.cell.scanner.T_world_scanner
+    line.ended(Scan(np.ones((3, 3)), T_world_scanner, "made", joints=line.joints))
+    return line.ended(detections)
+
+
+def path_goes(line: Line) -> None:
+    """The path that is planned is sent and ended; then the arm stands at the chosen view."""
+    assert line.state.job.name == "view"
+    start = line.effects[-1].arguments["start"]
+    line.ended(plan_view(line.state.cell, start=start))
+    assert line.state.phase is Phase.PLANNED, "a person approves it"
+    line.state = replace(line.state, phase=Phase.DONE)
+    line.joints = standing(line.state.cell)
+
+
+def test_a_cycle_that_finds_nothing_plans_the_path_to_the_next_view_of_its_bin(cell, done):
+    done.do(GoOn())
+    state = shows(done, ())
+    assert (view_name(state.cell), state.job.name) == ("low", "view")
+    assert "view low is next, as nothing can be taken from view bin" in str(state.message)
+    path_goes(done)
+    assert str(done.state.message).startswith(
+        "views from which nothing can be taken: bin; the path"
+    )
+    done.do(GoOn())
+    state = shows(done, ())
+    assert (view_name(state.cell), state.job) == ("low", None), "each view had its turn"
+    assert str(state.message) == "no part found; no further cycle starts"
+    # Somebody may have filled the bin meanwhile: the next cycle begins another round.
+    done.state = replace(state, phase=Phase.DONE)
+    done.do(GoOn())
+    assert view_name(shows(done, ()).cell) == "bin"
+
+
+def test_where_no_plan_comes_out_the_next_view_has_its_turn_until_something_is_taken(done):
+    found = (Detection("keyed_cylinder", pose_from_rpy((0.41, 0.0, 0.02))),)
+    verdict = Verdict(Reason.EXTRACT_BLOCKED, Stage.ROUTE)
+    nothing = PlanResult((), None, None, verdict, {})
+    done.do(GoOn())
+    shows(done, found)
+    assert done.ended(nothing).job.name == "view"
+    path_goes(done)
+    done.do(GoOn())
+    # That parts are found is not yet that one can be taken.
+    assert shows(done, found).views_without == ("bin",)
+    state = done.ended(nothing)
+    assert (state.job, state.views_without) == (None, ("bin", "low"))
+    late = replace(nothing, verdict=Verdict(Reason.OUT_OF_TIME, Stage.ROUTE))
+    done.state = replace(state, phase=Phase.DONE, views_without=())
+    done.do(GoOn())
+    shows(done, found)
+    assert done.ended(late).job is None, "more time may bring a plan"
+
+
+def test_a_bin_counts_as_empty_once_each_of_its_views_has_shown_that(cell):
+    several = two_bins(cell)
+    carrier = several.scanner.on_arm
+    views = [replace(view, bin="") for view in carrier.views]
+    carrier = replace(carrier, view=views[0], other_views=(views[1],))
+    line = Line(replace(several, scanner=replace(several.scanner, on_arm=carrier)))
+    line.joints = standing(cell)
+    line.state = replace(line.state, phase=Phase.DONE)
+    line.do(GoOn())
+    state = shows(line, ())
+    assert (state.cell.bin.name, view_name(state.cell)) == ("right", "low")
+    assert state.empty_bins == ()
+    path_goes(line)
+    line.do(GoOn())
+    state = shows(line, ())
+    assert (state.empty_bins, state.cell.bin.name) == (("right",), "left")
+    assert (state.views_without, state.job.name) == ((), "scan")
+    line.ended(JobCancelled(CancelText.SCAN()))
+    line.do(ChooseBin("right"))
+    line.state = replace(line.state, views_without=("bin", "low"))
+    assert line.do(NewBin("right")).views_without == ()
+
+
+def test_what_a_kit_lacks_is_looked_for_from_each_view(cell):
+    cylinder = cell.part("keyed_cylinder")
+    both = Recipe(1, "both", items=(KitItem("keyed_cylinder", 1), KitItem("cap", 1)))
+    kinds = (cylinder, replace(cylinder, name="cap"))
+    line = Line(replace(cell, parts=kinds, recipes=(both,), recipe=1))
+    kit = KitProgress((KitPart("keyed_cylinder", "plan", 0),))
+    line.joints = standing(cell)
+    line.state = replace(line.state, phase=Phase.DONE, kit=kit, whole=cell)
+    line.do(GoOn())
+    state = shows(line, (Detection("keyed_cylinder", pose_from_rpy((0.41, 0.0, 0.02))),))
+    assert (view_name(state.cell), state.job.name) == ("low", "view")
+    assert "the kit lacks 1 cap, and none was found" in str(state.message)
+    assert "view low is next" in str(state.message)
+
+
+def test_a_cycle_ends_where_no_path_to_the_next_view_can_begin(cell, done):
+    done.do(GoOn())
+    T_world_scanner = cell.scanner.T_world_scanner
+    done.ended(Scan(np.ones((3, 3)), T_world_scanner, "made", joints=done.joints))
+    carrier = cell.scanner.on_arm
+    between = (carrier.view.q + carrier.home) / 2
+    done.joints = done.joints | dict(zip(carrier.joints, between, strict=True))
+    state = done.ended(())
+    assert (view_name(state.cell), state.job) == ("low", None)
+    assert "begins at home (home_deg) or another view" in str(state.message)
 
 
 def test_unknown_views_are_refused(line):

@@ -6,7 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from arm_scanner_cell import at_view, before_view, on_arm_cell
+from arm_scanner_cell import at_view, before_view, on_arm_cell, with_lower_view
 from line import Line
 
 from workbench.app.core.command import Entry
@@ -21,7 +21,10 @@ from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent
 from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.state import Phase
+from workbench.app.picking.pipeline import plan_pick
 from workbench.app.records.record import command_form, entry_record
+from workbench.app.runtime.work import scan
 from workbench.app.statistics.grasp_use import GraspUse
 from workbench.app.statistics.statistics import (
     GROUPS,
@@ -33,8 +36,11 @@ from workbench.app.statistics.statistics import (
 from workbench.app.statistics.statistics_table import csv_text
 from workbench.app.viewing.view_plan import plan_view
 from workbench.journal.journal import Row
+from workbench.model.derived.by_view import with_view
 from workbench.model.errors import JobCancelled, JournalError, LinkError
 from workbench.model.release import PartReport, Receipt
+from workbench.perception.simulation.piles import pile_of
+from workbench.plugins.progress import never, silent
 
 
 class Written(Line):
@@ -356,3 +362,27 @@ def test_the_path_of_a_scanner_to_its_view_is_no_cycle():
     assert statistics(one.rows).cycles == ()
     one.do(TakeScan())
     assert len(statistics(one.rows).cycles) == 1
+
+
+def test_a_cycle_with_scans_from_two_views_is_one():
+    cell = with_lower_view(on_arm_cell(), merges=True)
+    low = with_view(cell, "low")
+    truth = pile_of(cell, "", 2, seed=1)
+    one = Written(cell)
+    one.joints = at_view(cell)
+    one.state = replace(one.state, phase=Phase.DONE)
+    one.do(GoOn())
+    job = {"seed": 1, "parts": 2, "joints": at_view(cell)}
+    first = one.ended(scan(cell, job, silent, never)).earlier
+    digest = one.ended(plan_view(low, start="bin")).plan.digest
+    for command in (WatchPlan(digest), Approve(digest), SendPlan(digest)):
+        one.do(command)
+    one.joints = at_view(low)
+    one.do(LinkEnded())
+    one.do(GoOn())
+    both = scan(low, job | {"joints": at_view(low), "earlier": first}, silent, never)
+    one.ended(both)
+    one.ended(truth)
+    one.ended(plan_pick(low, truth, both.digest, strategy="left"))
+    (cycle,) = statistics(one.rows).cycles
+    assert len(cycle.picks) == 1 and set(cycle.seconds) == {"scan", "find parts", "plan"}

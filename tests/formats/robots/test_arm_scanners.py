@@ -88,6 +88,11 @@ def test_a_view_is_stated_by_the_pose_of_the_scanner_as_well(spoil: Spoil) -> No
         ('name = "bin"', 'name = "home"', "a view cannot be called home: that is where"),
         ('name = "bin"', 'name = "bin"\nbin = "left"', "is not one of none: the cell has a single"),
         ("[scanner.on_arm.view]", f"{SECOND}[[scanner.on_arm.view]]", "'bin' is there 2 times"),
+        (
+            'arm = "left"',
+            'arm = "left"\nmerge_views = true',
+            "merge_views: there is one view only",
+        ),
         ('name = "camera"', 'name = "palm"', "'palm' is a solid of tool smart_gripper"),
         ('name = "camera"', 'name = "bracket"', "'bracket' is there 2 times"),
     ],
@@ -114,13 +119,14 @@ def test_a_written_cell_is_read_again(tmp_path: Path) -> None:
 
 
 def test_several_views_are_in_order_and_written_and_read_again(tmp_path: Path) -> None:
-    cell = with_lower_view(read_cell(SHIPPED / "on_arm.toml"))
+    cell = with_lower_view(read_cell(SHIPPED / "on_arm.toml"), merges=True)
     path = write_cell(tmp_path / "made", cell, {})
     shutil.copytree(find("parts", "keyed_cylinder"), path.parent / "keyed_cylinder")
     again = read_cell(path)
     carrier, read = cell.scanner.on_arm, again.scanner.on_arm
     assert carrier is not None and read is not None
     assert [(view.name, view.number) for view in read.views] == [("bin", 1), ("low", 2)]
+    assert read.merges_views
     assert np.allclose(read.views[1].q, carrier.views[1].q, atol=1e-6)
     low = with_view(again, "low")
     assert np.array_equal(low.arm("left").home, read.views[1].q)

@@ -167,7 +167,10 @@ class SessionState:
     `unapproved_by` is the engineer who has switched approval off, empty while it is on; it counts
     only while the robot link sends poses alone.
     `kit` is how far kits by the recipe that is chosen have come.
-    `empty_bins` names those of several bins in which nothing is left to take, as last seen.
+    `empty_bins` names those of several bins in which nothing is left to take, as last seen;
+    `views_without` the views of a scanner on an arm from which nothing could be taken since
+    something was, in the chosen bin.
+    `earlier` is a scan from other views, which the next one is merged with.
     """
 
     cell: Cell = field(kw_only=False)
@@ -191,6 +194,8 @@ class SessionState:
     unapproved_by: str = field(default_factory=str, metadata=LATER)
     kit: KitProgress = field(default_factory=KitProgress, metadata=LATER)
     empty_bins: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
+    views_without: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
+    earlier: Scan | None = field(default_factory=lambda: None, metadata=LATER)
 
     @property
     def is_saved(self) -> bool:

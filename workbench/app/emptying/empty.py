@@ -10,6 +10,7 @@ from workbench.app.core.cycle.outcomes import AVOID_SCANS, MOST_FAILURES, SAME_P
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.emptying.bound import bound_of, holdable
 from workbench.app.emptying.film import FilmedPick, Shot, unseen
+from workbench.app.emptying.looking import from_next_view, scan_pile
 from workbench.app.emptying.remaining_parts import Looked, left_in
 from workbench.app.emptying.taking import carried_out, failure, in_turn
 from workbench.app.picking.facts import put_down
@@ -17,12 +18,11 @@ from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.pile_check import kinds_in_turn
 from workbench.app.picking.row import plan_row
 from workbench.app.picking.sightlines import seconds_seen, sees_from
-from workbench.app.viewing.view_plan import plan_view
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
 from workbench.model.derived.assembling import assembled_kinds
 from workbench.model.derived.by_recipe import kit_of, wanted_parts
-from workbench.model.derived.by_view import by_each_view, view_name
+from workbench.model.derived.by_view import views_of
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import LeftText
@@ -33,7 +33,6 @@ from workbench.model.recipes.kit import lacking
 from workbench.model.scan import Detection, SearchOverrides, Unexplained
 from workbench.perception.scene.unexplained import look_around
 from workbench.perception.simulation.piles import drop_parts
-from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
 from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.planners.clock import working_time
@@ -41,7 +40,7 @@ from workbench.plugins.localizer import find_parts
 from workbench.plugins.progress import Cancelled, Report, never, silent
 
 IDLE = 3
-"""So many looks in a row that bring no plan end it."""
+"""So many looks in a row that bring no plan end it; of a bin with more views as many as these."""
 
 SEEDS = 1000
 """Each pile has this many seeds for its looks; no bin takes as many."""
@@ -107,7 +106,8 @@ def empty_pile(
     avoided: list[tuple[Detection, int]] = []
     idle = failures = 0
     seen_for = 0.0
-    while lying and idle < IDLE and failures < MOST_FAILURES:
+    most_idle = max(IDLE, len(views_of(cell)))
+    while lying and idle < most_idle and failures < MOST_FAILURES:
         if cancelled():
             raise JobCancelled(CancelText.EMPTYING())
         note = ProgressText.TAKEN(taken=tally.taken, count=task.count)
@@ -117,7 +117,9 @@ def empty_pile(
         avoided = [(detection, age - 1) for detection, age in avoided if age > 0]
         truth = [detection for _, detection in lying]
         finding, plannings = tally.finding, len(tally.planning)
-        result = _look_and_plan(cell, task, truth, avoided, tally, seed=seed, cancelled=cancelled)
+        cell, result = _look_and_plan(
+            cell, task, truth, avoided, tally, seed=seed, cancelled=cancelled
+        )
         if seen_for:
             took = tally.finding - finding + sum(tally.planning[plannings:])
             tally.beside.append((seen_for, took))
@@ -130,7 +132,8 @@ def empty_pile(
             refusal = result.verdict if result is not None and has_pick else None
             # What is left alone for a while gets its turn before this counts as the end.
             idle += not avoided
-            cell = _from_next_view(cell, tally, seed=seed)
+            cell, seconds = from_next_view(cell, seed=seed)
+            tally.motion += seconds
             continue
         idle = 0
         tally.cycles += 1
@@ -232,16 +235,6 @@ def fallen(plain: Cell, cell: Cell, task: PileTask) -> tuple[Detection, ...]:
     )
 
 
-def _from_next_view(cell: Cell, tally: _Tally, *, seed: int) -> Cell:
-    """The cell by the next view to which its arm can bring the scanner, where it has several."""
-    for following in by_each_view(cell)[1:]:
-        found = plan_view(following, start=view_name(cell), seed=seed)
-        if found.plan is not None and found.proof is not None and found.proof.holds:
-            tally.motion += found.plan.cycle_seconds
-            return following
-    return cell
-
-
 def _look_and_plan(
     cell: Cell,
     task: PileTask,
@@ -251,22 +244,25 @@ def _look_and_plan(
     *,
     seed: int,
     cancelled: Cancelled,
-) -> PlanResult | None:
-    """A plan for what is seen; None when nothing is."""
+) -> tuple[Cell, PlanResult | None]:
+    """A plan for what is seen, None when nothing is; and the cell by the view it begins at."""
     detections, digest = tuple(lying), "study"
     around = Unexplained()
     if task.seen == "scan":
-        scan = synthesize(cell, lying, seed=seed)
+        look = scan_pile(cell, lying, seed=seed)
+        cell, scan = look.cell, look.scan
+        tally.scans += look.scans - 1
+        tally.motion += look.motion
         began = working_time()
         usual = SearchOverrides().detail
         found = find_parts(scan, cell, seed=seed, detail=usual, cancelled=cancelled)
         detections = found.detections
         around = look_around(cell, scan, detections)
-        tally.finding += working_time() - began
+        tally.finding += look.merging + working_time() - began
         tally.seen = detections
         digest = scan.digest
     if not detections:
-        return None
+        return cell, None
     result = plan_row(
         # What is simulated is how parts are taken from the bin.
         replace(cell, stations=()) if cell.stations else cell,
@@ -283,7 +279,7 @@ def _look_and_plan(
     )
     tally.planning.append(sum(result.seconds.values()))
     tally.stages.update(result.seconds)
-    return result
+    return cell, result
 
 
 def _add_to_kit(cell: Cell, tally: _Tally, plan: Plan, arm_plan: ArmPlan) -> None:

@@ -17,6 +17,7 @@ from workbench.app.records.session_archive import open_journal
 from workbench.app.records.sessions import cell_of
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.cell import Cell
+from workbench.model.derived.scan_views import scans_by_view
 from workbench.model.derived.scanner_poses import with_calibrated_scanner
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError, JournalError
@@ -166,7 +167,8 @@ def of_session(
         last = entry.at
         put_down = [_put_part(cell, *stand[:2], kept[stand[2]]) for stand in fresh]
         seen |= {stand[2] for stand in fresh}
-        yield sight_things(cell, state.scan, put_down, at=entry.at)
+        # Of a merged one what the view has seen that the scanner is at.
+        yield sight_things(cell, scans_by_view(state.scan)[-1], put_down, at=entry.at)
 
 
 def _layout(cell: Cell) -> str:

@@ -32,6 +32,7 @@ from workbench.model.plan import PlanResult
 from workbench.model.scan import LocalizationResult, Scan, SearchOverrides, Unexplained
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.parts.sizing import ROUNDS, learn_sizes, offset_of
+from workbench.perception.scene.merging import merged
 from workbench.perception.scene.own_robot import without_robot
 from workbench.perception.scene.unexplained import look_around, unexplained
 from workbench.planning.collision.world import World
@@ -41,10 +42,19 @@ from workbench.plugins.scanner import ScanRequest, scanner_of
 
 
 def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled) -> Scan:
-    """A scan by the cell's scanner; a simulated one sees `parts` parts dropped by `seed`."""
+    """A scan by the cell's scanner; a simulated one sees `parts` parts dropped by `seed`.
+
+    Where views are merged it is one with `earlier`, from other views.
+    """
     request = ScanRequest(arguments["seed"], arguments["parts"], arguments.get("part", ""))
     found = scanner_of(cell).scan(request, report, cancelled)
-    return found if cell.scanner.on_arm is None else as_taken(cell, found, arguments["joints"])
+    carrier = cell.scanner.on_arm
+    if carrier is None:
+        return found
+    taken = as_taken(cell, found, arguments["joints"])
+    if not carrier.merges_views:
+        return taken
+    return merged(cell, arguments.get("earlier"), taken, carrier.view.name)
 
 
 def as_taken(cell: Cell, scan: Scan, joints: Mapping[str, float]) -> Scan:

@@ -124,8 +124,8 @@ GROUPS: Mapping[str, Callable[[CycleRecord, PickRecord], str]] = {
 """What success is reported by."""
 
 
-OF_A_PLAN = {JobEnded.__name__, SendPlan.__name__, LinkEnded.__name__}
-"""Entries that are about a plan that was made."""
+OF_A_PLAN = {SendPlan.__name__, LinkEnded.__name__}
+"""Entries that are about the plan that was made last."""
 
 
 class Count:
@@ -195,12 +195,16 @@ class Count:
         )
 
     def _take(self, kind: str, number: int, at: float, command: Any) -> None:
-        if kind == JobEnded.__name__ and "plan" in command["result"]:
+        is_planned = kind == JobEnded.__name__ and "plan" in command["result"]
+        if is_planned:
             self._is_to_view = is_to_view(command["result"]["plan"])
-        if self._is_to_view and kind in OF_A_PLAN:
+        if self._is_to_view and (is_planned or kind in OF_A_PLAN):
             return
         if kind in SCANS:
-            self._cycles.append(CycleRecord(number, at, at))
+            # From another view it may be the next scan of the same cycle.
+            goes_on = self._is_to_view and bool(self._cycles) and not self._cycles[-1].end
+            if not goes_on:
+                self._cycles.append(CycleRecord(number, at, at))
             self._begun = ("scan", at, number)
             return
         is_sent = bool(self._cycles) and self._cycles[-1].end in ("done", "fault")

@@ -203,6 +203,8 @@ def _on_arm(carrier: ArmScanner, arm: Arm, put_mesh: PutMesh) -> Iterator[str]:
     yield from ("", "# Its pose in the flange's frame.", "[scanner.on_arm]")
     yield f"arm = {text(carrier.arm)}"
     yield from _pose(carrier.T_flange_scanner)
+    if carrier.merges_views:
+        yield "merge_views = true         # a scan is whole once it has come from each view"
     head = "[[scanner.on_arm.view]]" if carrier.other_views else "[scanner.on_arm.view]"
     for view in carrier.views:
         joints = np.rad2deg(arm.to_axes(view.q))

@@ -69,9 +69,12 @@ def read_arm_scanner(
         views = tuple(_read_view(each, *stands, n) for n, each in enumerate(tables, start=1))
         table.once("view.name", (view.name for view in views))
         views = (replace(views[0], number=0),) if len(views) == 1 else views
+    merges = table.flag("merge_views", False)
+    if merges and len(views) == 1:
+        raise table.error("merge_views", "there is one view only: it has nothing to merge")
     table.finish()
     flange = arm.flange, arm.joints, T_flange_scanner
-    return ArmScanner(arm.name, *flange, views[0], arm.home, housing, views[1:])
+    return ArmScanner(arm.name, *flange, views[0], arm.home, housing, views[1:], merges)
 
 
 def _read_view(

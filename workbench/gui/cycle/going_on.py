@@ -55,9 +55,10 @@ class GoOnButton:
         self.button.on_click(lambda _: self._on_pressed())
 
     def _on_pressed(self) -> None:
-        # The same seed would let the same simulated pile fall again.
-        before = whole(self._seed.value)
-        if isinstance(before, int):
+        # The same seed would let the same simulated pile fall again; it does lie there still where
+        # the arm has but gone to another view.
+        before, plan = whole(self._seed.value), self._visitor.bench.state.plan
+        if isinstance(before, int) and (plan is None or not plan.is_view_plan):
             self._seed.value = (before + 1) % SEED_LIMIT
         if not self._visitor.ask(lambda: GoOn(*self._wanted())):
             self._seed.value = before

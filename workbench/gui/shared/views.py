@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from itertools import accumulate
 
+from workbench.app.core.cell.views import views_message
 from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.results import is_failure
@@ -281,7 +282,11 @@ def scan_line(state: State, words: Words = IN_ENGLISH) -> str:
     scanned = CyclePageText.SCANNED(points=points, source=source)
     if state.scan.at:
         scanned = CyclePageText.SCANNED_AT(points=points, source=source, at=clock(state.scan.at))
-    return line(words.render(scanned), span=2, tip=purpose)
+    said = line(words.render(scanned), span=2, tip=purpose)
+    if (about := views_message(state)) is None:
+        return said
+    is_off = any(view.is_off for view in state.scan.views)
+    return said + line(words.render(about), kind="bad" if is_off else "hint", span=2)
 
 
 def parts_line(

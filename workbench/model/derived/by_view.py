@@ -18,11 +18,16 @@ def views_of(cell: Cell) -> tuple[ScanPosture, ...]:
     return tuple(view for view in carrier.views if view.bin in ("", cell.bin.name))
 
 
-def by_each_view(cell: Cell) -> tuple[Cell, ...]:
-    """The cell by each view of its bin, from the chosen one on; alone where the scanner stands."""
+def views_from(cell: Cell) -> tuple[str, ...]:
+    """The names of the views of its bin, from the chosen one on; that is empty where it stands."""
     names = [view.name for view in views_of(cell)] or [""]
     place = names.index(view_name(cell))
-    return tuple(with_view(cell, name) for name in (*names[place:], *names[:place]))
+    return (*names[place:], *names[:place])
+
+
+def by_each_view(cell: Cell) -> tuple[Cell, ...]:
+    """The cell by each view of its bin, from the chosen one on; alone where the scanner stands."""
+    return tuple(with_view(cell, name) for name in views_from(cell))
 
 
 def view_name(cell: Cell) -> str:

@@ -192,6 +192,7 @@ class ScanText(Text, subject="scan"):
     NOT_FINITE = "a scan may hold finite points only; drop the empty ones first"
     PIXELS = "{points} points but {pixels} pixels"
     COLOURS = "{points} points but colours of shape {shape}"
+    VIEWS = "the views of a scan with {points} points have another number together"
     ONLY_ROBOT = "the scan shows nothing but the robot: look at the view and the joints"
     COVARIANCE = "the covariance of a pose has six rows of six numbers"
     ROLL_AXIS = "the axis of a roll is a point and a direction of length 1"

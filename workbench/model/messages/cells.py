@@ -91,6 +91,13 @@ class ViewChoiceText(Text, subject="view_choice"):
     """Views of a scanner on an arm: which one is chosen, and why one cannot be."""
 
     CHOSEN = "scans are taken from view {name}: go there"
+    NEXT = "view {name} is next, as nothing can be taken from view {chosen}"
+    MISSING = "view {name} is next, whose scan is merged with this one"
+    OFF = (
+        "view {name} does not fit the others: {shift:mm} and {turn:deg1} off, {share}% looked "
+        "through; the calibration of the scanner or the robot is off"
+    )
+    NOTHING_FROM = "views from which nothing can be taken: {views:and}"
     UNKNOWN = "no view {name} sees this bin of cell {cell}; there is {known}"
     STANDS = "the scanner of cell {cell} hangs on no arm and has no views"
 

@@ -15,6 +15,7 @@ from numba import njit
 
 from workbench.model.cell import Cell
 from workbench.model.derived.by_bin import barriers
+from workbench.model.derived.scan_views import scans_by_view
 from workbench.model.geometry import Box, Floats, Ints, Solid
 from workbench.model.scan import Detection, Obstacle, Scan, Unexplained
 from workbench.perception.scene.hidden import Room, hidden_columns
@@ -77,8 +78,15 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
     Args:
         cell: bin and fixtures; the robot is expected to be out of the picture.
         scan: what was seen.
-        detections: the parts found in it.
+        detections: the parts found in it.  Of a merged one each view counts: what any of them
+            shows is there.
     """
+    if len(scan.views) > 1:
+        found = [look_around(cell, each, detections) for each in scans_by_view(scan)]
+        return Unexplained(
+            tuple(box for each in found for box in each.seen),
+            tuple(box for each in found for box in each.unseen),
+        )
     T_bin_world = cell.bin.T_world_bin.inverse()
     T_bin_scanner = T_bin_world * scan.T_world_scanner
     centre = T_bin_world.act(cell.T_world_robot.translation)

@@ -155,6 +155,18 @@ def scan_form(scan: Scan) -> Form:
         "T_world_scanner": canonical(scan.T_world_scanner),
         "low": low.tolist(),
         "high": high.tolist(),
+        "views": [
+            {
+                "name": view.name,
+                "points": view.count,
+                "T_world_scanner": canonical(view.T_world_scanner),
+                "shift": view.shift,
+                "turn": view.turn,
+                "looked_through": view.through,
+                "is_off": view.is_off,
+            }
+            for view in scan.views
+        ],
     }
 
 

@@ -217,6 +217,17 @@ SCAN = record(
     T_world_scanner=POSE,
     low=POINT,
     high=POINT,
+    views=many(
+        record(
+            name=TEXT,
+            points=WHOLE,
+            T_world_scanner=POSE,
+            shift=NUMBER,
+            turn=NUMBER,
+            looked_through=NUMBER,
+            is_off=FLAG,
+        )
+    ),
 )
 COVARIANCE: Schema = {
     "type": "array",

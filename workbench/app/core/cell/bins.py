@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from workbench.app.core.cell.changes import Changed, with_cell
+from workbench.app.core.cell.views import next_view
 from workbench.app.core.command import EVERY, SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.state import Phase, ScanState, State, begin_stage, stale_by
 from workbench.app.core.value_checks import check_text
@@ -60,7 +61,10 @@ class NewBin(Command):
             avoided=tuple(mark for mark in state.avoided if mark.bin != self.name),
             message=message,
         )
-        if self.name != state.cell.bin.name or state.phase in (Phase.DONE, Phase.FAULT):
+        if self.name != state.cell.bin.name:
+            return after, ()
+        after = replace(after, views_without=(), earlier=None)
+        if state.phase in (Phase.DONE, Phase.FAULT):
             return after, ()
         # The scan shows what lay there before.
         stale = stale_by(state, message)
@@ -73,18 +77,18 @@ def choose_bin(state: State, name: str) -> Changed:
     if cell is state.cell:
         return replace(state, message=message), ()
     whole = state.whole or state.cell
-    after, effects = with_cell(state, cell, message)
+    after, effects = with_cell(replace(state, views_without=()), cell, message)
     return replace(after, whole=None if cell.digest == whole.digest else whole), effects
 
 
 def with_contents(state: State, *, is_empty: bool) -> State:
     """The state once a search or a planning has shown whether the chosen bin is empty.
 
-    Of a single bin nothing is remembered.
+    It is once each of its views has shown that.  Of a single bin nothing is remembered.
     """
     if not state.cell.other_bins:
         return state
-    chosen = state.cell.bin.name
+    chosen, is_empty = state.cell.bin.name, is_empty and not next_view(state)
     others = tuple(name for name in state.empty_bins if name != chosen)
     return replace(state, empty_bins=(*others, chosen) if is_empty else others)
 

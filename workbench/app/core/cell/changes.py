@@ -261,7 +261,7 @@ def with_cell(state: State, cell: Cell, message: Message | str) -> Changed:
     same_view &= cell.bin.name == state.cell.bin.name
     scan = state.scan if same_view and state.phase is not Phase.DONE else None
     stale = stale_by(state, difference(state.cell, cell))
-    state = replace(before_a_scan(state), cell=cell)
+    state = replace(before_a_scan(state), cell=cell, earlier=None)
     if scan is None:
         return begin_stage(state, ScanState, stale=stale, message=message), (UseCell(cell),)
     after = begin_stage(

@@ -124,7 +124,7 @@ class AcknowledgeFault(Command):
     def apply(self, state: State, entry: Entry) -> Decision:
         # Nobody knows how the bin looks after a fault: only a new scan can tell.
         message = StateText.FAULT_ACKNOWLEDGED(person=entry.actor)
-        after = replace(before_a_scan(state), failures=0)
+        after = replace(before_a_scan(state), failures=0, earlier=None)
         return begin_stage(after, ScanState, message=message), ()
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from workbench.app.core.cell.bins import with_contents
+from workbench.app.core.cell.views import next_view_message, with_nothing_seen
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
 from workbench.app.core.people import POSES_FOLDER
 from workbench.app.core.state import PartsState, Phase, ScanState, State, begin_stage, stale_by
@@ -19,7 +20,7 @@ from workbench.app.core.value_checks import (
 from workbench.model.digest import LATER, called, digest_of
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText, EditText, NameText, StaleText
-from workbench.model.messages.message import Message, as_message
+from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
 from workbench.model.scan import Detection, Remark, SearchOverrides, SearchRecord
@@ -124,6 +125,10 @@ def add_search(state: State, search: SearchRecord) -> State:
 def with_detections(state: State, search: SearchRecord) -> State:
     """The state with what a search has found."""
     detections = search.detections
+    message: Message | None = StateText.FOUND(count=len(detections))
+    if not detections:
+        state = with_nothing_seen(state)
+        message = all_of((StateText.NOTHING_FOUND(), next_view_message(state)))
     return begin_stage(
         with_contents(state, is_empty=not detections),
         PartsState,
@@ -132,7 +137,7 @@ def with_detections(state: State, search: SearchRecord) -> State:
         detections=detections,
         scene_digest=state.scan.digest if state.scan is not None else "",
         stale=stale_by(state, StaleText.PARTS_SOUGHT()),
-        message=StateText.FOUND(count=len(detections)) if detections else StateText.NOTHING_FOUND(),
+        message=message,
     )
 
 

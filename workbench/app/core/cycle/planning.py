@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from workbench.app.core.cell.bins import with_contents
 from workbench.app.core.cell.kits import kit_problem, lacks_message
+from workbench.app.core.cell.views import next_view_message, with_nothing_seen
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
 from workbench.app.core.cycle.outcomes import avoided_parts
@@ -139,9 +140,13 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         result: what the planning brought; a plan whose proof does not hold is shown, too.
         job: that has ended with it.
     """
+    # More time may bring a plan.
+    is_over = result.plan is None and result.verdict.reason is not Reason.OUT_OF_TIME
+    state = with_nothing_seen(state) if is_over else state
     if result.plan is None:
         phase = Phase.LOCALIZED
-        message = all_of((StateText.NO_PLAN(verdict=result.verdict.message), lacks_message(state)))
+        no_plan = StateText.NO_PLAN(verdict=result.verdict.message)
+        message = all_of((no_plan, lacks_message(state), next_view_message(state)))
     elif result.proof is None or not result.proof.holds:
         phase = Phase.PLANNED
         message = StateText.NO_PROOF()
@@ -149,6 +154,7 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
             message = StateText.NOT_PROVEN(violation=result.proof.violations[0].message)
     else:
         phase = Phase.PLANNED
+        state = replace(state, views_without=())
         message = StateText.PLAN_READY(
             strategy=strategy_message(result.plan.strategy),
             cycle=result.plan.cycle_seconds,
@@ -159,7 +165,8 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         poses = PosesText.UNPROVEN() if state.cell.controller.motion.sends_poses else None
         message = all_of((message, more, *remarks, poses))
     return begin_stage(
-        with_contents(state, is_empty=_can_take_nothing(state.cell, result)),
+        # A kit may lack other kinds later.
+        with_contents(state, is_empty=is_over and not kit_of(state.cell)),
         PlanState,
         phase=phase,
         candidates=result.candidates,
@@ -176,15 +183,6 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         wanted_threshold=state.wanted_threshold,
         message=message,
     )
-
-
-def _can_take_nothing(cell: Cell, result: PlanResult) -> bool:
-    """Whether a planning shows that nothing in the bin can be taken.
-
-    A kit may lack other kinds later, and more time may bring a plan.
-    """
-    is_out_of_time = result.verdict.reason is Reason.OUT_OF_TIME
-    return result.plan is None and not is_out_of_time and not kit_of(cell)
 
 
 def _outlines(state: State, result: PlanResult, job: Job) -> tuple[Outline, ...]:

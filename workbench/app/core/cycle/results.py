@@ -6,12 +6,24 @@ from typing import TYPE_CHECKING, Any
 from workbench.app.core.cell.bins import choose_bin, next_bin
 from workbench.app.core.cell.emptying import emptying_words
 from workbench.app.core.cell.kits import kit_problem, lacks_of
+from workbench.app.core.cell.views import (
+    choose_view,
+    missing_view,
+    next_view,
+    next_view_message,
+    with_nothing_seen,
+)
 from workbench.app.core.command import Decision, Entry
-from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints, view_problem
+from workbench.app.core.cycle.arm_scanner import (
+    path_problem,
+    scan_problem,
+    standing_joints,
+    view_problem,
+)
 from workbench.app.core.cycle.parts import add_search, find_parts, with_detections
 from workbench.app.core.cycle.planning import make_plan, with_plan
 from workbench.app.core.cycle.scanning import TakeScan, take_scan, with_scan
-from workbench.app.core.cycle.viewing import with_view_plan
+from workbench.app.core.cycle.viewing import plan_path, with_view_plan
 from workbench.app.core.state import Job, Phase, State
 from workbench.model.calibration import PlateObservation
 from workbench.model.errors import JobCancelled, WorkbenchError
@@ -86,6 +98,8 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
     if job is None or job.then is None or after.job is not None:
         return after, ()
     match job.name, after.phase:
+        case "scan", Phase.SCANNED if name := missing_view(after):
+            return _from_view(name, after, entry, job.then)
         case "scan", Phase.SCANNED:
             return find_parts(after, entry, job.then.find, then=job.then)
         case "localize", Phase.LOCALIZED:
@@ -95,6 +109,8 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
             if problem := kit_problem(after):
                 return _without_kit_part(replace(after, message=problem), entry, job.then)
             return make_plan(after, entry, job.then.plan, then=job.then)
+        case "localize" | "plan", _ if is_nothing_taken(after) and next_view(after):
+            return _from_view(next_view(after), after, entry, job.then)
         case _ if is_exhausted(after) and before.phase is not Phase.SENDING:
             return from_next_bin(after, entry, job.then)
         case "scan" | "localize", _:
@@ -113,12 +129,31 @@ def from_next_bin(state: State, entry: Entry, then: "GoOn") -> Decision:
     return _ended(replace(state, message=all_of((as_message(state.message), said)))), ()
 
 
+def _from_view(name: str, state: State, entry: Entry, then: "GoOn") -> Decision:
+    """The cycle with another view of the bin: its scan where the arm is there, else the path."""
+    why = as_message(state.message)
+    after, effects = choose_view(state, name)
+    carrier, joints = after.cell.scanner.on_arm, standing_joints(after.cell, entry.joints)
+    if carrier is None or view_problem(after.cell, joints) is None:
+        begun, tasks = take_scan(after, entry, then.scan, then=then)
+    elif problem := path_problem(after.cell, carrier, joints):
+        return _ended(replace(after, message=all_of((why, problem)))), effects
+    else:
+        begun, tasks = plan_path(after, entry, seed=then.plan.seed)
+    said = all_of((why, as_message(begun.message)))
+    return replace(begun, message=said), (*effects, *tasks)
+
+
 def _without_kit_part(state: State, entry: Entry, then: "GoOn") -> Decision:
-    """The cycle with the next bin where the chosen one has nothing for the kit; or its end."""
+    """The cycle with the next view or bin where there is nothing for the kit; or its end."""
     after = state
     if lacks_of(state):
+        after = with_nothing_seen(state)
+        if name := next_view(after):
+            message = all_of((as_message(state.message), next_view_message(after)))
+            return _from_view(name, replace(after, message=message), entry, then)
         passed = (*state.kit.bins_without, state.cell.bin.name)
-        after = replace(state, kit=replace(state.kit, bins_without=passed))
+        after = replace(after, kit=replace(state.kit, bins_without=passed))
         if name := next_bin(after):
             return _from_bin(name, after, entry, then, why=as_message(state.message))
     return _ended(after), ()
@@ -140,8 +175,12 @@ def _from_bin(name: str, state: State, entry: Entry, then: "GoOn", *, why: Messa
 
 def is_exhausted(state: State) -> bool:
     """Whether the last search or planning has shown that the chosen bin of several is empty."""
-    is_shown = state.detections == () or (state.verdict is not None and state.plan is None)
-    return is_shown and state.cell.bin.name in state.empty_bins
+    return is_nothing_taken(state) and state.cell.bin.name in state.empty_bins
+
+
+def is_nothing_taken(state: State) -> bool:
+    """Whether the last search or planning has brought nothing."""
+    return state.detections == () or (state.verdict is not None and state.plan is None)
 
 
 def _ended(state: State) -> State:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from workbench.app.core.cell.views import views_message
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import (
     plate_problem,
@@ -29,7 +30,7 @@ from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.messages.commands import CommandText, StaleText
-from workbench.model.messages.message import Message
+from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
 from workbench.model.scan import ALL_KINDS, Scan
@@ -151,19 +152,22 @@ def take_scan(
     }
     if state.cell.scanner.on_arm is not None:
         arguments["joints"] = standing_joints(state.cell, entry.joints)
+    if state.earlier is not None:
+        arguments["earlier"] = state.earlier
     return begin_task(state, entry, "scan", arguments, StateText.SCANNING(), then=then)
 
 
 def with_scan(state: State, scan: Scan, at: float) -> State:
     """The state with a new scan, taken at [s since the epoch]."""
+    scanned = StateText.SCANNED(points=f"{len(scan.points):,}")
     return begin_stage(
-        replace(state, avoided=_after_one_more_scan(state, at), unscanned=None),
+        replace(state, avoided=_after_one_more_scan(state, at), unscanned=None, earlier=None),
         ScanState,
         phase=Phase.SCANNED,
         scan=scan,
         scene_digest=scan.digest,
         stale=None if state.phase is Phase.DONE else stale_by(state, StaleText.NEWER_SCAN()),
-        message=StateText.SCANNED(points=f"{len(scan.points):,}"),
+        message=all_of((scanned, views_message(replace(state, scan=scan)))),
     )
 
 

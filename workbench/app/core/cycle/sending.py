@@ -128,9 +128,16 @@ def _send(state: State, entry: Entry) -> Decision:
     message: Message = StateText.SENDS(person=entry.actor, plan=row_message(state))
     if state.cell.controller.motion.sends_poses:
         message = PosesText.SENDS(person=entry.actor, plan=row_message(state))
-    until = state.approval.until
-    after = begin_stage(state, RunState, phase=Phase.SENDING, message=message, let_until=until)
-    return after, (Send(state.plan, state.approval, following(state)),)
+    begun = begin_stage(
+        state,
+        RunState,
+        phase=Phase.SENDING,
+        message=message,
+        let_until=state.approval.until,
+        # What a plan takes is no longer where a scan has shown it.
+        earlier=state.earlier if state.plan.is_view_plan else None,
+    )
+    return begun, (Send(state.plan, state.approval, following(state)),)
 
 
 def with_receipt(state: State, receipt: Receipt) -> State:

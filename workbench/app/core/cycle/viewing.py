@@ -11,9 +11,11 @@ from workbench.app.core.cycle.arm_scanner import (
     view_named,
 )
 from workbench.app.core.state import Phase, ScanState, State, before_a_scan, begin_stage
-from workbench.app.core.tasks import begin_task
+from workbench.app.core.tasks import Begun, begin_task
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
+from workbench.model.messages.cells import ViewChoiceText
 from workbench.model.messages.commands import CommandText
+from workbench.model.messages.message import all_of
 from workbench.model.messages.states import ClearanceText, StateText
 from workbench.model.plan import PlanResult, floor_distance
 from workbench.model.robot import HOME
@@ -39,16 +41,16 @@ class PlanView(Command):
         refuse(path_problem(state.cell, carrier, joints, self.view))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        carrier = view_named(state.cell, self.view)
-        joints = standing_joints(state.cell, entry.joints)
-        start = path_start(state.cell, carrier, joints) or HOME
-        arguments = {
-            "view": self.view,
-            "start": start,
-            "placed": state.placed,
-            "seed": self.seed,
-        }
-        return begin_task(state, entry, "view", arguments, StateText.PLANNING())
+        return plan_path(state, entry, view=self.view, seed=self.seed)
+
+
+def plan_path(state: State, entry: Entry, *, view: str = "", seed: int = 0) -> Begun:
+    """The path to the chosen view begins to be planned, or with `HOME` the one back."""
+    carrier = view_named(state.cell, view)
+    joints = standing_joints(state.cell, entry.joints)
+    start = path_start(state.cell, carrier, joints) or HOME
+    arguments = {"view": view, "start": start, "placed": state.placed, "seed": seed}
+    return begin_task(state, entry, "view", arguments, StateText.PLANNING())
 
 
 def with_view_plan(state: State, result: PlanResult) -> State:
@@ -66,6 +68,9 @@ def with_view_plan(state: State, result: PlanResult) -> State:
     message = StateText.VIEW_PLANNED(view=carrier.view.name, **facts)
     if carrier.leads_home(plan.arms[0].legs[0].q):
         message = StateText.HOME_PLANNED(**facts)
+    elif state.views_without:
+        nothing = ViewChoiceText.NOTHING_FROM(views=state.views_without)
+        message = all_of((nothing, message))
     if not proof.holds:
         message = StateText.NOT_PROVEN(violation=proof.violations[0].message)
     return begin_stage(
