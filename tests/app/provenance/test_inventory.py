@@ -80,7 +80,7 @@ def test_what_runs_here_is_read_from_the_machine(cell):
     one = inventory(cell, {"Anna": "engineer"})
     names = [each.name for each in one.distributions]
     assert names == sorted(set(names))
-    assert {"numpy", "viser", "open3d"} <= set(names)
+    assert {"numpy", "viser", "trimesh"} <= set(names)
     assert one.parts.keys() == {part.name for part in cell.parts}
     assert one.python.startswith("CPython 3.")
     assert inventory(cell, {"Anna": "engineer"}).digest == one.digest
