@@ -39,6 +39,7 @@ from workbench.planning.grasps.part_rays import nearest_points
 from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.inverse import configurations
+from workbench.planning.kinematics.upright import UprightLimit, Uprightness
 from workbench.planning.planners.ease import ease_corners
 from workbench.plugins.planner import planner_named
 from workbench.plugins.progress import never, silent
@@ -81,7 +82,10 @@ def plan() -> None:
     unexplained(cell, synthesize(cell, pile, seed=28), pile)
     plan_pick(cell, pile, "", strategy="both")
     arm, beyond = cell.arms[0], pose_from_rpy((9.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    configurations(chain_of(cell, arm), beyond, np.array(arm.home))
+    chain, home = chain_of(cell, arm), np.array(arm.home)
+    configurations(chain, beyond, home)
+    upright = UprightLimit(chain, np.array([0.0, 0.0, 1.0]), math.pi)
+    Uprightness([upright], [len(home)]).find_tilted(np.stack([[home] * 3]))
     zero, far_corner, rng = np.zeros(2), np.ones(2), np.random.default_rng(0)
     planner_named("rrtconnect")(
         zero, far_corner, zero, far_corner, far_corner, lambda a, b: False, iterations=1, rng=rng
