@@ -11,6 +11,7 @@ from workbench.model.candidate import Reason
 from workbench.model.derived.upright import leans_too_far, tilt_from_vertical
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.verdicts import VerdictNote
+from workbench.model.part import PartPlace
 from workbench.model.scan import Detection
 from workbench.planning.kinematics.chain import chain_of
 from workbench.proof.claims.prove import prove
@@ -91,6 +92,18 @@ def test_a_place_that_would_tilt_it_is_refused(pucks):
     notes = [c.verdict.note for c in done.candidates if c.verdict.reason is Reason.NO_PLACE]
     assert done.plan is None and notes
     assert all(note.mentions(VerdictNote.TILTED_THERE) for note in notes)
+
+
+def test_a_place_of_the_part_that_would_tilt_it_is_refused_with_the_figures(pucks):
+    (arm,) = pucks.arms
+    aslant = PartPlace(pose_from_rpy((0.25, -0.56, 0.19), (0.3, 0, 0)))
+    cell = replace(pucks, arms=(replace(arm, Ts_world_place=(), part_places=(aslant,)),))
+    done = plan_pick(cell, (lying(cell, 0.0),), "scan", seed=0)
+    notes = [c.verdict.note for c in done.candidates if c.verdict.reason is Reason.NO_PLACE]
+    assert done.plan is None and notes
+    assert {str(note) for note in notes} == {
+        "there the part would be tilted by 17.2 deg; 8.0 deg are allowed"
+    }
 
 
 def test_an_unknown_roll_counts_with_its_worst_turn(cell, detections):

@@ -52,7 +52,7 @@ def evidence(typed: Evidence) -> int:
     if typed.stamp:
         asked = out.with_suffix(".tsq")
         write_whole(asked, time_stamp_request(signed_message(made.manifest)))
-        # What the request names, to be told to whoever verifies the stamp.
+        # What the request names, for whoever verifies the stamp.
         write_whole(out.with_suffix(".stamped"), signed_message(made.manifest))
         print(f"{asked}: the request for a time stamp of {out.with_suffix('.stamped')}")
     return SUCCESS

@@ -18,8 +18,8 @@ from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.robot import ScannedView
 from workbench.model.scan import Scan
 
-BESIDE = 0.02
-"""[m] Points this far beside the bin and above its rim are compared, too."""
+AROUND = 0.02
+"""[m] Points this far outside of the bin, and above its rim, are compared, too."""
 
 MOST_POINTS = 8000
 """Of a view, by which it is compared."""
@@ -145,7 +145,7 @@ def _around(cell: Cell, scan: Scan) -> Floats:
     """The points (n, 3) [m] of a scan in and around the bin, in the world."""
     points = scan.points_world
     p_bin = (points - cell.bin.T_world_bin.translation) @ cell.bin.T_world_bin.rotation
-    half, top = cell.bin.size[:2] / 2 + BESIDE, cell.bin.size[2] + BESIDE
+    half, top = cell.bin.size[:2] / 2 + AROUND, cell.bin.size[2] + AROUND
     return points[(np.abs(p_bin[:, :2]) <= half).all(axis=1) & (np.abs(p_bin[:, 2]) <= top)]
 
 

@@ -99,16 +99,16 @@ def _hands(world: World, arm: Arm, phase: LegPhase) -> Iterator[_Hands | Verdict
                 yield T_world_part
                 continue
             T_world_tcp = T_world_part * T_tcp_part.inverse()
-            stood = _refuse_standing(world, phase, arm, T_world_tcp)
-            yield stood or _Hands([T_world_tcp], place.length * np.array(place.approach))
+            refusal = _refuse_there(world, phase, arm, T_world_tcp)
+            yield refusal or _Hands([T_world_tcp], place.length * np.array(place.approach))
     for _, turned in groupby(arm.Ts_world_place, key=lambda T: tuple(T.translation)):
         free: list[pin.SE3] = []
         for T_world_tcp in (T * T_turn for T in turned for T_turn in hand_turns(arm.tool)):
-            stood = _refuse_standing(world, phase, arm, T_world_tcp)
-            if stood is None:
+            refusal = _refuse_there(world, phase, arm, T_world_tcp)
+            if refusal is None:
                 free.append(T_world_tcp)
             else:
-                yield stood
+                yield refusal
         if free:
             yield _Hands(free)
 
@@ -176,24 +176,36 @@ def _straight(
             yield Verdict(Reason.NO_PLACE, Stage.PLACE, pair, distance, met[1])
 
 
+def _refuse_there(world: World, phase: LegPhase, arm: Arm, T_world_tcp: pin.SE3) -> Verdict | None:
+    """Why a hand cannot let go of its part at a pose, whatever the arm does."""
+    tilted = _refuse_tilted(world, phase, arm, T_world_tcp)
+    return tilted or _refuse_standing(world, phase, arm, T_world_tcp)
+
+
 def _refuse_standing(
     world: World, phase: LegPhase, arm: Arm, T_world_tcp: pin.SE3
 ) -> Verdict | None:
-    """That the part in the hand would be tilted or in something at a place, whatever the arm does.
+    """That the part in the hand would stand in something at a place, whatever the arm does.
 
     Most places that do not work are refused by it, and it is cheap.
     """
     number, T_tcp_part = phase.held[arm.name]
-    found = world.detections[number]
-    part, T_world_part = world.cell.part(found.part), T_world_tcp * T_tcp_part
-    tilt = leans_too_far(part, found, T_world_part.rotation)
-    if tilt is not None:
-        note = VerdictNote.TILTED_THERE(tilt=tilt, most=part.tilt)
-        return Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
-    label = world.part_ways.standing_in(number, T_world_part, world.policy.margin)
+    label = world.part_ways.standing_in(number, T_world_tcp * T_tcp_part, world.policy.margin)
     if label is None:
         return None
     return Verdict(Reason.NO_PLACE, Stage.PLACE, (part_label(number), label))
+
+
+def _refuse_tilted(world: World, phase: LegPhase, arm: Arm, T_world_tcp: pin.SE3) -> Verdict | None:
+    """That the part in the hand, which has to stay upright, would be tilted at a place."""
+    number, T_tcp_part = phase.held[arm.name]
+    found = world.detections[number]
+    part = world.cell.part(found.part)
+    tilt = leans_too_far(part, found, (T_world_tcp * T_tcp_part).rotation)
+    if tilt is None:
+        return None
+    note = VerdictNote.TILTED_THERE(tilt=tilt, most=part.tilt)
+    return Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
 
 
 @dataclass(slots=True)
@@ -224,15 +236,19 @@ def find_configurations_at_places(
     ways, stands = 0, 0
     far: list[tuple[float, Floats]] = []
     met: list[Verdict] = []
-    roll: Verdict | None = None
+    none: Verdict | None = None
     for T_world_part in ways_at_places(world, arm, number):
         if isinstance(T_world_part, Verdict):
-            roll = T_world_part
+            none = none or T_world_part
             continue
         if processor_time() > world.deadline:
             return PlaceConfigurations([], LATE)
-        ways += 1
         T_world_tcp = T_world_part * T_tcp_part.inverse()
+        tilted = _refuse_tilted(world, phase, arm, T_world_tcp)
+        if tilted is not None:
+            none = none or tilted
+            continue
+        ways += 1
         stood = _refuse_standing(world, phase, arm, T_world_tcp)
         if stood is not None:
             stands += 1
@@ -253,7 +269,7 @@ def find_configurations_at_places(
         if near:
             return PlaceConfigurations(near, None)
     if ways == 0:
-        return PlaceConfigurations([], roll or why_full(world, arm, number))
+        return PlaceConfigurations([], none or why_full(world, arm, number))
     close = ways - stands - len(far)
     note = VerdictNote.TARGET_POSES(count=ways, blocked=stands, far=len(far), close=close)
     if met:
