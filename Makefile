@@ -177,6 +177,8 @@ bundle: $(VENV)/.test $(VENV)/.compiled
 constraints: $(VENV)/.lint $(VENV)/.test $(VENV)/.docs
 	{ grep '^#' constraints.txt; $(BIN)/python -m pip freeze --exclude-editable; } > constraints.new
 	mv constraints.new constraints.txt
+	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --constraint constraints.txt --no-annotate \
+		--generate-hashes --custom-compile-command "make constraints" pyproject.toml -o requirements.lock
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -1,6 +1,7 @@
 """The wheel: holds what it needs, and plans far away from the checkout."""
 
 import contextlib
+import hashlib
 import json
 import os
 import pty
@@ -51,6 +52,19 @@ def test_it_holds_code_and_data_and_nothing_else(wheel):
         assert expected in names
     kept = {name.rpartition(".")[2] for name in names if "__pycache__" in name}
     assert kept == {"nbi", "nbc", "ready"}
+
+
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="not a checkout")
+def test_a_commit_gives_the_same_wheel_byte_by_byte(tmp_path):
+    digests = set()
+    for umask in (0o022, 0o077):
+        copy = tmp_path / f"copy_{umask}"
+        subprocess.run(["git", "clone", "-q", ROOT, copy], check=True, umask=umask, timeout=600)
+        command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", "out"]
+        subprocess.run(command, cwd=copy, check=True, capture_output=True, umask=umask, timeout=600)
+        (built,) = copy.glob("out/*.whl")
+        digests.add(hashlib.sha256(built.read_bytes()).hexdigest())
+    assert len(digests) == 1
 
 
 @pytest.fixture(scope="module")

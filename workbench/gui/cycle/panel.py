@@ -72,14 +72,26 @@ class CyclePanel:
         """Add the controls."""
         self._visitor = visitor
         gui = visitor.gui
-        with group(gui, "1 · Scan"):
-            self._recipe = RecipeInput(visitor, self._follow_recipe)
-            self._bin = BinInput(visitor)
-            self._kit = KitInputs(visitor)
+        self._add_scan(gui)
+        self._add_parts(gui)
+        self._add_plan(gui)
+        self._add_sending(gui)
+        self._outcomes = OutcomeInputs(visitor, ROW)
+        with group(gui, "How it is planned", expand_by_default=False):
             gui.add_html(ROW)
-            parts, seed = visitor.look.now.scan_asked
+            self._overrides = OverridesInputs(gui, visitor.cell.policy)
+        self._dialog = ApprovalDialog(visitor)
+        self._react()
+
+    def _add_scan(self, gui: viser.GuiApi) -> None:
+        with group(gui, "1 · Scan"):
+            self._recipe = RecipeInput(self._visitor, self._follow_recipe)
+            self._bin = BinInput(self._visitor)
+            self._kit = KitInputs(self._visitor)
+            gui.add_html(ROW)
+            parts, seed = self._visitor.look.now.scan_asked
             self._kind = gui.add_dropdown(
-                "Which part", _kinds(visitor.cell), hint="Falls into the simulated bin."
+                "Which part", _kinds(self._visitor.cell), hint="Falls into the simulated bin."
             )
             self._parts = gui.add_number(
                 "Parts",
@@ -101,8 +113,8 @@ class CyclePanel:
             self._gap = gui.add_html('<div class="wb-span2"></div>', visible=False)
             self._scan = gui.add_button("Scan", icon=viser.Icon.SCAN)
             self._scan_line = gui.add_html("")
-            self._view = ViewButton(visitor)
-            self._go_on = GoOnButton(visitor, self._seed, self._wanted_next)
+            self._view = ViewButton(self._visitor)
+            self._go_on = GoOnButton(self._visitor, self._seed, self._wanted_next)
             self._bin_line = gui.add_html("")
             self._move_bin = gui.add_button(
                 "Move bin",
@@ -111,6 +123,8 @@ class CyclePanel:
                 visible=False,
                 hint="Moves the bin of the cell to where it is seen; Undo is in the Cell tab.",
             )
+
+    def _add_parts(self, gui: viser.GuiApi) -> None:
         with group(gui, "2 · Find parts"):
             gui.add_html(ROW)
             self._parts_line = gui.add_html("")
@@ -125,76 +139,88 @@ class CyclePanel:
                 hint="Makes the part as the scan shows it, in its file too, and searches again; "
                 "Undo is in the Cell tab.",
             )
+
+    def _add_plan(self, gui: viser.GuiApi) -> None:
         with group(gui, "3 · Plan"):
             gui.add_html(ROW)
-            self._strategies = strategy_words(visitor.cell)
+            self._strategies = strategy_words(self._visitor.cell)
             self._strategy = gui.add_dropdown(
-                "Strategy", tuple(self._strategies), hint=strategy_hint(visitor.cell)
+                "Strategy", tuple(self._strategies), hint=strategy_hint(self._visitor.cell)
             )
-            self._threshold = ThresholdInput(visitor, self._strategy_asked)
+            self._threshold = ThresholdInput(self._visitor, self._strategy_asked)
             self._plan = gui.add_button("Plan", icon=viser.Icon.ROUTE)
-            self._row = RowInputs(visitor)
+            self._row = RowInputs(self._visitor)
             self._row.add_wanted()
             self._threshold.add_forecast()
             self._plan_line = gui.add_html("")
             self._row.add_row()
             self._help_line = gui.add_html("", visible=False)
-            self._fix = FixInputs(visitor)
+            self._fix = FixInputs(self._visitor)
+
+    def _add_sending(self, gui: viser.GuiApi) -> None:
         with group(gui, "4 · Approve, 5 · Send to the robot") as sending:
             gui.add_html(ROW)
             gui.add_html(STAYS)
             self._approval_line = gui.add_html("")
             self._watched_line = gui.add_html("")
-            self._play = PlayButton(visitor)
+            self._play = PlayButton(self._visitor)
             self._approve = gui.add_button("Approve", icon=viser.Icon.USER_CHECK)
             self._send_line = gui.add_html("")
-            self._step = StepButton(visitor, sending)
+            self._step = StepButton(self._visitor, sending)
             self._stop = gui.add_button(
                 "Stop", icon=viser.Icon.HAND_STOP, color="red", hint=NO_SAFETY
             )
             self._send = gui.add_button("Send", icon=viser.Icon.SEND)
-        self._outcomes = OutcomeInputs(visitor, ROW)
-        with group(gui, "How it is planned", expand_by_default=False):
-            gui.add_html(ROW)
-            self._overrides = OverridesInputs(gui, visitor.cell.policy)
-        self._dialog = ApprovalDialog(visitor)
-        self._react()
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         state = new.state
+        visitor = self._visitor
         self._outcomes.show(old, new)
         if old is None or old.help is not new.help:
             self._help_line.content = line(
-                sentence(self._visitor.words.render(new.help.words)), kind="warn"
+                sentence(visitor.words.render(new.help.words)), kind="warn"
             )
             self._help_line.visible = bool(new.help.words)
         self._fix.show(old, new, new.help)
         self._play.show(old, new)
-        visitor = self._visitor
         watched = visitor.words.render(watched_message(new, visitor.person.name))
         words = line(watched, kind="hint", span=1)
         if words != self._watched_line.content:
             self._watched_line.content = words
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
-        self._recipe.show(None if old is None else old.state, state)
+        before = None if old is None else old.state
+        self._recipe.show(before, state)
         self._bin.show(new)
         self._kit.show(new)
         self._show_kinds(state.cell)
-        self._threshold.follow(None if old is None else old.state, state)
+        self._threshold.follow(before, state)
         self._threshold.draw(state, new.at)
-        self._scan_line.content = scan_line(state, visitor.words)
-        self._bin_line.content = bin_html(state, new.bin_check, new.at, visitor.words)
-        check = new.bin_check
+        self._show_seen(new)
+        self._plan_line.content = plan_line(state, visitor.words)
+        self._row.show(new)
+        self._show_buttons(new)
+        follows = visitor.is_recorded or bool(visitor.lacks(state, TakeScan))
+        for field in (self._parts, self._seed, self._strategy):
+            field.disabled = follows
+        self._threshold.allow(is_allowed=not follows)
+        self._dialog.show(new)
+
+    def _show_seen(self, new: View) -> None:
+        """What the scan shows: its points, the bin and the parts found."""
+        state, check, words = new.state, new.bin_check, self._visitor.words
+        self._scan_line.content = scan_line(state, words)
+        self._bin_line.content = bin_html(state, check, new.at, words)
         self._move_bin.visible = check is not None and check.is_elsewhere
         self._visitor.admit(self._move_bin, state, ChangeCell)
         sizes = new.live.wrong_sizes(state.detections)
-        self._parts_line.content = parts_line(state, sizes, check, visitor.words)
+        self._parts_line.content = parts_line(state, sizes, check, words)
         self._show_wrong(state, new.live.wrong_parts(state.detections))
-        self._plan_line.content = plan_line(state, visitor.words)
-        self._row.show(new)
-        joints = new.live.joints
+
+    def _show_buttons(self, new: View) -> None:
+        """What each button lacks, and which one is the next step."""
+        state, visitor, joints = new.state, self._visitor, new.live.joints
         approval = Approve(_digest(state), row=row_of(state))
         why = visitor.refusal(state, approval, new.at, joints)
         is_next = why is not None and why.mentions(Refusal.NOT_PLAYED)
@@ -231,11 +257,6 @@ class CyclePanel:
             Phase.DONE: begin if _has_moved_scanner(state) else self._go_on.button,
         }
         visitor.emphasise(next_step.get(state.phase))
-        follows = visitor.is_recorded or bool(visitor.lacks(state, TakeScan))
-        for field in (self._parts, self._seed, self._strategy):
-            field.disabled = follows
-        self._threshold.allow(is_allowed=not follows)
-        self._dialog.show(new)
 
     def _follow_recipe(self, cell: Cell) -> None:
         """Have the strategy of the recipe planned with, until a person chooses another one."""

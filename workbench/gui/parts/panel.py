@@ -73,39 +73,8 @@ class PartsPanel:
         self._shown: tuple[Detection, ...] = ()
         self._sent: object = None
         gui = visitor.gui
-        gui.add_html('<div class="wb-buttons wb-two"></div>')
-        self._scan = gui.add_upload_button(
-            "Scan from file",
-            icon=viser.Icon.UPLOAD,
-            hint="A PLY or PCD file in the scanner's frame and the cell's unit.",
-        )
-        self._poses = gui.add_upload_button(
-            "Poses from file",
-            icon=viser.Icon.UPLOAD,
-            color="gray",
-            hint="Our JSON, or a HALCON tuple file: rows of [R|t] in the world frame, mm.",
-        )
-        self._fit = gui.add_upload_button(
-            "Fit scanner to file",
-            icon=viser.Icon.RULER_2,
-            color="gray",
-            hint="Finds unit, axes and range of a first scan, the scanner's pose and the size of "
-            "the bin, then takes the scan; Undo and Save are in the Cell tab.",
-        )
-        self._scan_colours = gui.add_checkbox(
-            "Scan colours",
-            False,
-            visible=False,
-            hint="As the scanner gives them, for everybody; otherwise by height and by part.",
-        )
-        self._table = gui.add_html("")
-        self._rejected = gui.add_html("", visible=False)
-        self._show_rejected = gui.add_checkbox(
-            "Show rejected poses",
-            False,
-            visible=False,
-            hint="Red and translucent in the scene, for everybody.",
-        )
+        self._add_files(gui)
+        self._add_table(gui)
         self._inputs = PoseInputs(
             visitor,
             "/part_gizmo",
@@ -133,6 +102,47 @@ class PartsPanel:
             self._searches = SearchInputs(visitor)
         self._keeping = KeepInputs(visitor)
         self._rows = visitor.rows(MOST_PARTS, self._choose)
+        self._react()
+
+    def _add_files(self, gui: viser.GuiApi) -> None:
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        self._scan = gui.add_upload_button(
+            "Scan from file",
+            icon=viser.Icon.UPLOAD,
+            hint="A PLY or PCD file in the scanner's frame and the cell's unit.",
+        )
+        self._poses = gui.add_upload_button(
+            "Poses from file",
+            icon=viser.Icon.UPLOAD,
+            color="gray",
+            hint="Our JSON, or a HALCON tuple file: rows of [R|t] in the world frame, mm.",
+        )
+        self._fit = gui.add_upload_button(
+            "Fit scanner to file",
+            icon=viser.Icon.RULER_2,
+            color="gray",
+            hint="Finds unit, axes and range of a first scan, the scanner's pose and the size of "
+            "the bin, then takes the scan; Undo and Save are in the Cell tab.",
+        )
+        self._scan_colours = gui.add_checkbox(
+            "Scan colours",
+            False,
+            visible=False,
+            hint="As the scanner gives them, for everybody; otherwise by height and by part.",
+        )
+
+    def _add_table(self, gui: viser.GuiApi) -> None:
+        self._table = gui.add_html("")
+        self._rejected = gui.add_html("", visible=False)
+        self._show_rejected = gui.add_checkbox(
+            "Show rejected poses",
+            False,
+            visible=False,
+            hint="Red and translucent in the scene, for everybody.",
+        )
+
+    def _react(self) -> None:
+        visitor = self._visitor
         self._scan.on_upload(lambda event: self._upload(event, self._scan_of))
         self._poses.on_upload(lambda event: self._upload(event, self._poses_of))
         self._fit.on_upload(lambda event: self._upload(event, self._fitted))
