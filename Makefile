@@ -150,7 +150,6 @@ everything: installed
 
 installed: $(VENV)/.venv pyproject.toml constraints.txt
 	@echo "Installing what is needed for the checks, the documents and the tests"
-	@$(PIP) hatchling
 	@$(INSTALL) ".[test,lint,docs]"
 	@touch $(VENV)/.run $(VENV)/.test $(VENV)/.lint $(VENV)/.docs
 
@@ -185,15 +184,12 @@ clean:
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # Stamps: what is installed is installed again only when one of these files has changed.
-# The pip that comes with Python 3.11 takes six times as long to find out what fits together.
 $(VENV)/.venv: setup/venv.sh
-	@bash setup/venv.sh $(VENV)
-	@$(PIP) "pip>=25.1" || true
+	@bash setup/venv.sh $(VENV) $(LIBRARIES)
 	@touch $@
 
 $(VENV)/.run: $(VENV)/.venv pyproject.toml constraints.txt
 	@echo "Installing what the workbench needs; the first time this takes some minutes"
-	@$(PIP) hatchling
 	@$(INSTALL) .
 	@touch $@
 
