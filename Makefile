@@ -8,7 +8,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-com
 INSTALL := $(PIP) --no-build-isolation --editable
 
 # Shared libraries that Open3D and Pinocchio expect from the system.
-LIBRARIES := libusb-1.0-0 libgl1 libegl1 libx11-6 libgomp1
+LIBRARIES := libusb-1.0-0 libgl1 libegl1 libx11-6 libidn2-0 libgomp1
 BROWSER := chromium-headless-shell fonts-dejavu-core
 
 # What stands for devices in the tests: a web server, a camera of GenICam, a PLC; and readers of zip

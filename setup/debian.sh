@@ -10,6 +10,7 @@ is_there() {
         libgl1) has_library libGL.so.1 ;;
         libegl1) has_library libEGL.so.1 ;;
         libx11-6) has_library libX11.so.6 ;;
+        libidn2-0) has_library libidn2.so.0 ;;
         libgomp1) has_library libgomp.so.1 ;;
         # Without windows, tabs and menus that nobody sees; the one with them does it as well.
         chromium-headless-shell) command -v chromium-headless-shell chromium >/dev/null ;;
