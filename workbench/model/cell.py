@@ -90,12 +90,12 @@ class Arm:
     to flange, chain order; `axis_order[k]` is the place in the chain of the controller's k-th axis
     and `axis_signs` its sense.  `home` (n,) [rad], chain order.  `Ts_world_place` are TCP poses
     where a part may be released, tried in order, those of one position that follow each other by
-    time, after `part_places`, which say how the part has to lie; where it `keeps_parts` they stay,
-    and the next goes elsewhere; where it `passes_parts_on` each is gone before the next comes.
-    Where it `needs_roll`, no part is put there whose roll about its axis the scan does not show.
+    time, after `part_places`, which state how the part has to lie; parts stay (`keeps_parts`), or
+    are gone before the next (`passes_parts_on`); only those of known roll come if it `needs_roll`.
     `controller_id`: what the controller calls the arm.  `tool`: what it carries, of all `tools`.
     `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are the most of its joints; without `jerk`
     acceleration may jump.  `place_names`: of `Ts_world_place`.  `mapping`: see `AxisMapping`.
+    `moving_mass` [kg]: of all links that move (`derived.contact_energy`).
     """
 
     name: str
@@ -116,6 +116,7 @@ class Arm:
     jerk: Floats | None = field(default_factory=lambda: None, metadata=LATER)
     place_names: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     mapping: AxisMapping | None = field(default_factory=lambda: None, metadata=LATER)
+    moving_mass: float | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(
@@ -229,21 +230,20 @@ class Policy:
     `self_margin` between links of one arm.  `lift_length` and `lift_lean` shape the extraction:
     straight up, leaning to the bin centre.  A part may have been found up to `sink` deep in what it
     lies on: deeper is a wrong pose.  It may slide along that for `release` of its lift, and keeps
-    `near_margin` from then on.  `speed` scales joint velocities.  `zone` is the largest corner
-    rounding, as a fraction of the shorter neighbouring segment, where the controller rounds at all
-    (`Cell.zone`).  `planner` (`plugins.planner`) searches the free legs, within `iterations` a
-    call; `birrt` is the thesis' name for `rrtconnect`.  `seconds` [s] of processor time end a
-    planning wherever it stands: a stop against input that nobody foresaw.  `order` says which part
-    is taken first: which takes the least time, the highest, the best score, the nearest to the
-    tool, the farthest from walls, or by the thesis' rules (`planning.picking.order`).  `metric`
-    weighs the joints in the planners' distance: each counts this fraction of the one before it,
-    which moves more of the arm.  `lifts` (`planning.picking.lifts`) take a part out whose grasp
-    says none, the first that is clear.  `least_air` [m]: fingers may arrive less open than a grasp
-    says where there is no room, as long as so much is left on each side of its grip; None: as it
-    says.  `pair_gap` [m]: parts nearer to each other are of one heap, of which a plan takes but
-    one; 0: any two are taken.  `picks`: plans in a row after one scan.  `tcp_speed`, `point_speed`,
-    `held_speed` [m/s] and `manual_speed` limit speeds of points (`derived.speed_limits`).
-    `as_needed`: where no plan comes out, one is searched by `derived.policies.widened`.
+    `near_margin` from then on.  `speed` scales joint speeds.  `zone` is the largest corner
+    rounding, as a fraction of the shorter neighbouring segment (`Cell.zone`).  `planner`
+    (`plugins.planner`) searches the free legs, within `iterations` a call; `birrt` is the thesis'
+    name for `rrtconnect`.  `seconds` [s] of processor time end a planning wherever it stands.
+    `order` states which part is taken first: which takes the least time, the highest, the best
+    score, the nearest to the tool, the farthest from walls, or by the thesis' rules
+    (`planning.picking.order`).  `metric` weighs the joints in the planners' distance: each counts
+    this fraction of the one before it, which moves more of the arm.  `lifts`
+    (`planning.picking.lifts`) take a part out whose grasp says none, the first that is clear.
+    `least_air` [m]: fingers may arrive less open than a grasp says where there is no room, with so
+    much left on each side; None: as it says.  `pair_gap` [m]: parts nearer to each other are of one
+    heap, of which a plan takes but one; 0: any two.  `picks`: plans in a row after one scan.
+    `tcp_speed`, `point_speed`, `held_speed` [m/s], `manual_speed`, `contact_energy` [J]:
+    limits (`derived.speed_limits`).  `as_needed`: else by `derived.policies.widened`.
     """
 
     margin: float = 0.005
@@ -272,6 +272,7 @@ class Policy:
     point_speed: float | None = field(default_factory=lambda: None, metadata=LATER)
     held_speed: float | None = field(default_factory=lambda: None, metadata=LATER)
     manual_speed: bool = field(default_factory=bool, metadata=LATER)
+    contact_energy: float | None = field(default_factory=lambda: None, metadata=LATER)
     as_needed: bool = field(default_factory=lambda: True, metadata=LATER)
 
 

@@ -103,12 +103,21 @@ class MotionModel:
 
 @dataclass(frozen=True, slots=True)
 class SpeedBound:
-    """How fast [m/s] the TCP and any point of arm, tool and part are on a leg, at most."""
+    """How fast [m/s] the TCP and any point of arm, tool and part are on a leg, at most.
+
+    `mass` [kg]: what moves (`derived.contact_energy`), None where the cell does not state it.
+    """
 
     arm: str
     leg: str
     tcp: float
     point: float
+    mass: float | None = field(default_factory=lambda: None, metadata=LATER)
+
+    @property
+    def energy(self) -> float | None:
+        """The most kinetic energy [J] that could go into a contact."""
+        return None if self.mass is None else self.mass * self.point**2 / 2
 
 
 def greatest_speed(speeds: Sequence[SpeedBound]) -> SpeedBound | None:
@@ -122,3 +131,8 @@ def greatest_speed(speeds: Sequence[SpeedBound]) -> SpeedBound | None:
 def ceil_speed(bound: float) -> float:
     """A speed [m/s] from above for people, up to whole millimetres a second."""
     return math.ceil(bound * 1e3 - 1e-6) / 1e3
+
+
+def ceil_energy(bound: float) -> str:
+    """An energy [J] from above for people, to hundredths."""
+    return f"{math.ceil(bound * 100 - 1e-6) / 100:.2f}"

@@ -85,14 +85,16 @@ def test_what_is_seldom_changed_comes_back_too(tmp_path):
         point_speed=0.5,
         held_speed=0.3,
         manual_speed=True,
+        contact_energy=0.49,
     )
     folder = PosesFolder(str(tmp_path / "poses"), "keyed_cylinder")
-    careful, *others = cell.arms
-    arms = (replace(careful, needs_roll=True, passes_parts_on=True), *others)
+    careful, other = (replace(arm, moving_mass=9.5) for arm in cell.arms)
+    arms = (replace(careful, needs_roll=True, passes_parts_on=True), other)
     changed = replace(cell, scanner=scanner, policy=policy, poses_folder=folder, arms=arms)
     again = written(tmp_path, changed)
     assert [arm.needs_roll for arm in again.arms] == [True, False]
     assert [arm.passes_parts_on for arm in again.arms] == [True, False]
+    assert [arm.moving_mass for arm in again.arms] == [9.5, 9.5]
     assert digest_of(again.scanner) == digest_of(scanner)
     assert again.policy == policy
     assert digest_of(again.poses_folder) == digest_of(folder)

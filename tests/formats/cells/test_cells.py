@@ -1,5 +1,6 @@
 """Cell files, the shipped one and spoiled ones."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -296,6 +297,20 @@ def test_limits_of_speed_are_read_and_change_no_digest_where_there_are_none(fold
 def test_limits_of_speed_that_cannot_be_are_refused(folder: Path, keys: str, problem: str) -> None:
     with pytest.raises(FileError, match=f"(?s){problem}"):
         read_cell(with_change(folder, "[policy]", f"[policy]\n{keys}"))
+
+
+def test_energy_is_limited_where_arm_and_tool_state_their_masses(folder: Path) -> None:
+    path = with_change(folder, "[policy]", "[policy]\ncontact_energy_j = 0.5")
+    with pytest.raises(FileError, match=r"contact_energy_j: arm right has no moving_mass_kg"):
+        read_cell(path)
+    text = path.read_text().replace('flange = "', 'moving_mass_kg = 9.5\nflange = "')
+    path.write_text(text)
+    cell = read_cell(path)
+    assert [arm.moving_mass for arm in cell.arms] == [9.5, 9.5]
+    assert cell.policy.contact_energy == 0.5
+    path.write_text(re.sub(r"(mass_g|centre_of_gravity_mm|inertia_kgm2) = .*", "", text))
+    with pytest.raises(FileError, match=r"contact_energy_j: arm right has no mass_g of "):
+        read_cell(path)
 
 
 def test_a_link_without_times_and_an_arm_with_jerk_limit_no_speed(folder: Path) -> None:

@@ -60,7 +60,14 @@ def proof_form(proof: Proof) -> dict[str, Any]:
         "nearest": None if proof.nearest is None else _place_form(proof.nearest),
         "violations": [_place_form(violation) for violation in proof.violations],
         "speeds": [
-            {"arm": fast.arm, "leg": fast.leg, "tcp_mm": _mm(fast.tcp), "point_mm": _mm(fast.point)}
+            {
+                "arm": fast.arm,
+                "leg": fast.leg,
+                "tcp_mm": _mm(fast.tcp),
+                "point_mm": _mm(fast.point),
+                "mass_kg": fast.mass,
+                "energy_j": fast.energy,
+            }
             for fast in proof.speeds
         ],
     }

@@ -21,10 +21,10 @@ from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import MACHINES
 from workbench.app.core.session import AcknowledgeChanges, Started
 from workbench.app.core.state import Phase, State, format_count
-from workbench.model.motion import ceil_speed, greatest_speed
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.release import manner_words
 from workbench.model.scan import Scan
+from workbench.proof.claims.clearance import speed_message
 
 BROUGHT: Mapping[type[object], str] = {Scan: "scan", tuple: "parts", PlanResult: "plan"}
 """What a task brought, by the type of its result."""
@@ -169,9 +169,8 @@ def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
         f"{proof.digest}: {verdict}; {proof.checks} states, smallest clearance on free legs "
         f"{proof.clearance * 1000:.1f} mm, to {proof.resolution * 1000:g} mm; {_corners(proof)}",
     )
-    if (fast := greatest_speed(proof.speeds)) is not None:
-        tcp, point = (ceil_speed(speed) * 1e3 for speed in (fast.tcp, fast.point))
-        yield "speed", f"no point faster than {point:.0f} mm/s, the TCP than {tcp:.0f} mm/s"
+    if (speeds := speed_message(proof)) is not None:
+        yield "speed", str(speeds)
 
 
 def _corners(proof: Proof) -> str:

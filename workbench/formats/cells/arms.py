@@ -102,6 +102,7 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         passes_parts_on=table.flag("passes_parts_on", False),
         jerk=_jerk(table, count),
         tools=tuple(_known_tool(table, "tools", tool_name, tools) for tool_name in names),
+        moving_mass=_moving_mass(table),
         mapping=_mapping(table, [robot.joint(joints[k]).kind == "prismatic" for k in axis_order]),
     )
     table.finish()
@@ -154,6 +155,11 @@ def _known_tool(table: Table, key: str, name: str, tools: dict[str, Tool]) -> To
 def _acceleration(table: Table, count: int) -> Floats:
     each = table.number("acceleration_deg", 600, low=1, high=100_000)
     return np.full(count, np.deg2rad(each))
+
+
+def _moving_mass(table: Table) -> float | None:
+    mass = table.number("moving_mass_kg", 1.0, low=0.01, high=10_000)
+    return mass if table.has("moving_mass_kg") else None
 
 
 def _jerk(table: Table, count: int) -> Floats | None:

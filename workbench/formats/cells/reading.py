@@ -36,6 +36,7 @@ from workbench.model.cell import (
     picks_problem,
 )
 from workbench.model.derived.by_view import with_view
+from workbench.model.derived.contact_energy import effective_mass
 from workbench.model.derived.policies import POLICIES
 from workbench.model.derived.speed_limits import limits_speed
 from workbench.model.errors import FileError, InputError
@@ -273,10 +274,15 @@ def _speed(table: Table, key: str) -> float | None:
 
 def _check_speeds(table: Table, cell: Cell) -> None:
     """Refuse limits of speed that nothing would keep."""
-    if not limits_speed(cell.policy):
+    for arm in cell.arms if cell.policy.contact_energy is not None else ():
+        if effective_mass(cell, arm, False) is None:
+            lacks = "moving_mass_kg" if arm.moving_mass is None else f"mass_g of {arm.tool.name}"
+            raise table.error("policy.contact_energy_j", f"arm {arm.name} has no {lacks}")
+    if not limits_speed(cell):
         return
     keys = (f"{key}_mm" for key in SPEED_KEYS if getattr(cell.policy, key) is not None)
-    key = f"policy.{next(keys, 'manual_speed')}"
+    other = "manual_speed" if cell.policy.manual_speed else "contact_energy_j"
+    key = f"policy.{next(keys, other)}"
     if not cell.controller.motion.takes_share:
         link = cell.controller.link
         raise table.error(key, f"robot link {link} does not send times: it keeps no limit of speed")
@@ -300,6 +306,7 @@ def _policy(table: Table) -> tuple[Policy, int]:
         return table.number(key, default * 1000, low=0, high=high) / 1000
 
     air = length("least_air_mm", 0.0, 1000)
+    energy = table.number("contact_energy_j", 1.0, low=0.001, high=10_000)
     lifts = _lifts(table, usual.lifts)
     # Whoever names some lifts, and nothing else, wants no others.
     is_limited = set(lifts) != set(usual.lifts) and set(lifts) != set(LIFT_NAMES)
@@ -334,6 +341,7 @@ def _policy(table: Table) -> tuple[Policy, int]:
         least_air=air if table.has("least_air_mm") else usual.least_air,
         picks=table.whole("picks", usual.picks, low=1, high=MOST_PICKS),
         manual_speed=table.flag("manual_speed", False),
+        contact_energy=energy if table.has("contact_energy_j") else None,
         **{key: _speed(table, f"{key}_mm") for key in SPEED_KEYS},
     )
     if problem := picks_problem(policy):

@@ -160,6 +160,8 @@ def _policy(cell: Cell) -> Iterator[str]:
             yield f"{key}_mm = {number(speed * 1000)}"
     if policy.manual_speed:
         yield "manual_speed = true"
+    if policy.contact_energy is not None:
+        yield f"contact_energy_j = {number(policy.contact_energy)}"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"
 
 
@@ -282,6 +284,8 @@ def _arm(cell: Cell, arm: Arm, q_home: Floats) -> Iterator[str]:
     yield f"acceleration_deg = {number(np.rad2deg(arm.acceleration[0]))}"
     if arm.jerk is not None:
         yield f"jerk_deg = {number(np.rad2deg(arm.jerk[0]))}"
+    if arm.moving_mass is not None:
+        yield f"moving_mass_kg = {number(arm.moving_mass)}"
     if arm.keeps_parts:
         yield "keeps_parts = true        # they stay at their places, as on a pallet"
     if arm.passes_parts_on:

@@ -78,7 +78,7 @@ def speeds_on(
 
     `hand` is what it carries where it is `holding` something.
     """
-    tcp_limit, point_limit = speed_limits(cell.policy, holding)
+    tcp_limit, point_limit = speed_limits(cell, arm, holding)
     if min(tcp_limit, point_limit) == np.inf:
         return None
     links = link_points(cell, arm.name)

@@ -179,6 +179,7 @@ class ClearanceText(Text, subject="clearance"):
     FREE = "minimum clearance {free:mm} (free motion)"
     BOTH = "minimum clearance {free:mm} (free motion), {linear:mm} (linear motion)"
     SPEEDS = "no point is faster than {point:mm/s}, the TCP than {tcp:mm/s}"
+    ENERGY = "kinetic energy in a contact at most {energy} J"
 
 
 class LeftText(Text, subject="left"):

@@ -2,7 +2,7 @@
 
 from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.states import ClearanceText
-from workbench.model.motion import ceil_speed, greatest_speed
+from workbench.model.motion import ceil_energy, ceil_speed, greatest_speed
 from workbench.model.plan import Proof, floor_distance
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
@@ -24,11 +24,15 @@ def bounds_message(proof: Proof) -> Message:
 
 
 def speed_message(proof: Proof) -> Message | None:
-    """How fast points and the TCP get at most; None in a cell that limits neither."""
+    """How fast points and the TCP get at most, and with what energy; None without limits."""
     fast = greatest_speed(proof.speeds)
     if fast is None:
         return None
-    return ClearanceText.SPEEDS(point=ceil_speed(fast.point), tcp=ceil_speed(fast.tcp))
+    speeds = ClearanceText.SPEEDS(point=ceil_speed(fast.point), tcp=ceil_speed(fast.tcp))
+    energies = [bound.energy for bound in proof.speeds if bound.energy is not None]
+    if not energies:
+        return speeds
+    return all_of((speeds, ClearanceText.ENERGY(energy=ceil_energy(max(energies)))))
 
 
 def clearance_message(proof: Proof) -> Message:

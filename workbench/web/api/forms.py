@@ -207,7 +207,14 @@ def proof_form(proof: Proof) -> Form:
         "nearest": None if proof.nearest is None else _place_form(proof.nearest),
         "violations": [_place_form(violation) for violation in proof.violations],
         "speeds": [
-            {"arm": fast.arm, "leg": fast.leg, "tcp": finite(fast.tcp), "point": finite(fast.point)}
+            {
+                "arm": fast.arm,
+                "leg": fast.leg,
+                "tcp": finite(fast.tcp),
+                "point": finite(fast.point),
+                "mass": fast.mass,
+                "energy": fast.energy,
+            }
             for fast in proof.speeds
         ],
     }

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from workbench.model.cell import Cell
+from workbench.model.derived.contact_energy import effective_mass
 from workbench.model.derived.speed_limits import limits_speed, speed_limits
 from workbench.model.geometry import Floats
 from workbench.model.messages.proofs import ProofText
@@ -42,7 +43,7 @@ def speed_claims(
     cell: Cell, tree: Tree, plan: Plan
 ) -> tuple[tuple[Violation, ...], tuple[SpeedBound, ...]]:
     """Legs on which points are too fast, and how fast each leg can be; nothing without limits."""
-    if not limits_speed(cell.policy):
+    if not limits_speed(cell):
         return (), ()
     bounds = PointBounds(cell, tree, plan)
     violations: list[Violation] = []
@@ -67,7 +68,7 @@ class _Together:
         robot, share = cell.robot, cell.policy.speed
         self._velocity = np.concatenate([robot.limits(m.arm.joints)[2] * share for m in some])
         self._acceleration = np.concatenate([m.arm.acceleration for m in some])
-        self._limits = [speed_limits(cell.policy, m.leg.holding) for m in some]
+        self._limits = [speed_limits(cell, m.arm, m.leg.holding) for m in some]
         self._steps = np.diff(np.hstack([m.leg.q for m in some]), axis=0)
         corners = cell.controller.motion.corners
         self._rounded = self._of(bounds, step, cell.zone) if cell.zone > 0.0 else None
@@ -117,7 +118,7 @@ class _Together:
             return
         row = max(row for row in rows if row is not None)
         first = self._some[0]
-        most = speed_limits(self._cell.policy, first.leg.holding)
+        most = speed_limits(self._cell, first.arm, first.leg.holding)
         yield Violation(
             ProofText.POINT_TOO_FAST(most=min(most)), first.arm.name, first.leg.name, row
         )
@@ -176,7 +177,8 @@ class _Together:
                 most = np.maximum(points[:-1], points[1:]) * np.sqrt(x)[:, None]
                 fast = np.maximum(fast, most.max(axis=0))
             tcp, point = np.minimum(fast * LIMIT_TOLERANCE, limits).tolist()
-            yield SpeedBound(moving.arm.name, moving.leg.name, tcp, point)
+            mass = effective_mass(self._cell, moving.arm, moving.leg.holding)
+            yield SpeedBound(moving.arm.name, moving.leg.name, tcp, point, mass)
 
     def _squares_rounded(self, marked: "_Marked") -> Floats:
         """The squared speeds (k - 1,) [1/s2] that no motion exceeds in the pieces between marks."""
