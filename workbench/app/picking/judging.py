@@ -22,7 +22,7 @@ from workbench.plugins.progress import Cancelled, Report, never, silent
 TRIED, JUDGED = 0.2, 0.75
 """Shares of a look at candidates after which the hands were tried, and all candidates judged."""
 
-TIGHT = {Reason.TOOL_COLLISION, Reason.WITHIN_MARGIN, Reason.APPROACH_BLOCKED}
+TIGHT = {Reason.TOOL_COLLISION, Reason.APPROACH_BLOCKED}
 """What fingers that arrive less open, or other lifts, may mend."""
 
 ROOM = 0.0001

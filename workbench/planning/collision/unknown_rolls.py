@@ -24,9 +24,9 @@ from workbench.model.part import Part
 from workbench.model.scan import Detection
 from workbench.model.symmetry import make_turn
 
-TURNS, MOST_TURNS, BETWEEN = 24, 720, 0.001
-"""At how many turns a part is checked, at least and at most; and how far [m] any of its points may
-be from where it is at the nearest of these turns."""
+TURNS, BETWEEN = 24, 0.001
+"""At how many turns a part is checked at least, and how far [m] any of its points may be from where
+it is at the nearest of these turns."""
 
 ROUND = 3e-4
 """[m] A cylinder that needs no more room than this around it fills the same at every turn."""
@@ -74,7 +74,7 @@ def place_pieces(part: Part, detection: Detection) -> tuple[Placed, ...]:
             if isinstance(room.shape, Cylinder) and not _is_round(piece, room)
         ]
         count = int(np.ceil(np.pi * max(uneven, default=0.0) / BETWEEN))
-        turns = list(turns_about(axis_of(part, detection), min(max(count, TURNS), MOST_TURNS)))
+        turns = list(turns_about(axis_of(part, detection), max(count, TURNS)))
     return tuple(
         tuple(
             (piece.shape, T * turn * piece.T_owner_shape)

@@ -10,5 +10,5 @@ Imports `model`, and `engine` for distances.  Read in this order:
 - `motion`: every path that a controller may make of waypoints
 - `grasps`, `places`, `tolerances`: how hands take parts, and where they put them
 - `timing`: speeds, accelerations, jerk
-- `spot`: the place that a violation names, for people
+- `spot`, `clearance`: the place that a violation names, and the least distances, for people
 """

@@ -127,7 +127,7 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
     is_sure = cell.policy.pair_gap > 0 and may_have_moved(cell, plan) is None
     if stand and rest and not is_sure:
         boxes.append(_full_bin(cell, plan.detections))
-        rest = tuple(arm_plan for arm_plan in rest if arm_plan.T_world_found is not None)
+        rest = tuple(found for found in rest if found.T_world_found is not None)
     return Scene(plan.scan_digest, (*rest, *stand), (*plan.obstacles, *boxes))
 
 

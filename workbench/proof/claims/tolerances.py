@@ -46,8 +46,8 @@ TILTED = np.deg2rad(0.1)
 BETWEEN_TURNS = 0.001
 """[m] Any point of a part of unknown roll, from the nearest turn at which it is checked."""
 
-FEWEST_TURNS, MOST_TURNS = 24, 720
-"""Turns at which a part of unknown roll is checked, by how far it extends from its axis."""
+FEWEST_TURNS = 24
+"""Turns at which a part of unknown roll is checked, however near to its axis all of it lies."""
 
 
 def displacement(points: Floats, T: pin.SE3, other: pin.SE3) -> float:
@@ -68,8 +68,7 @@ def largest_turn(reach: float) -> float:
 
 def turns_for(radius: float) -> int:
     """At how many turns a body of unknown roll is checked that extends so far [m] from its axis."""
-    count = int(np.ceil(np.pi * radius / BETWEEN_TURNS))
-    return min(max(count, FEWEST_TURNS), MOST_TURNS)
+    return max(int(np.ceil(np.pi * radius / BETWEEN_TURNS)), FEWEST_TURNS)
 
 
 def is_on_axis(part: Part, axis: Floats, line: Floats) -> bool:
