@@ -1,6 +1,7 @@
 """A plan streamed to the twin of a controller: all of it, once, on its way; any doubt ends it."""
 
 import json
+import threading
 import time
 from collections.abc import Sequence
 from dataclasses import fields, replace
@@ -317,3 +318,42 @@ def test_cells_and_wishes_that_it_cannot_serve_are_refused(planned):
     wanted = Simulation("127.0.0.1", 0, 0, 1.0, None, None, ("melts",), float("inf"))
     with pytest.raises(InputError, match="fault 'melts'"):
         link.serve(cell, wanted, lambda running: None)
+
+
+@pytest.mark.parametrize("is_moving", [True, False])
+def test_one_arm_that_falls_silent_ends_the_motion_of_both(planned, monkeypatch, is_moving):
+    cell, plan, approval = planned
+    first = next(k for k, arm in enumerate(cell.arms) if arm.name == plan.sequence[0].runs[0][0])
+    silent = first if is_moving else 1 - first
+    with twin_of(cell, silence_ms=400) as (twin, there):
+        whole, cut = SimulatedEgm._say, threading.Event()
+
+        def say(self, k, data, port):
+            if twin.arms[first].leg:
+                cut.set()
+            if not (cut.is_set() and (k, port) == (silent, twin.port + silent)):
+                whole(self, k, data, port)
+
+        monkeypatch.setattr(SimulatedEgm, "_say", say)
+        with pytest.raises(LinkError, match="silent for 0.4 s"):
+            list(send(plan, approval, there, patience=PATIENT))
+        wait_until(lambda: _stand(twin.arms), "the arms to stand")
+        assert twin.arms[first].leg <= 1, "no other leg has begun"
+
+
+def test_states_end_where_one_arm_is_silent(planned, monkeypatch):
+    cell, _, _ = planned
+    with twin_of(cell, speed=20.0) as (twin, there):
+        whole, cut = SimulatedEgm._say, threading.Event()
+
+        def say(self, k, data, port):
+            if not (cut.is_set() and (k, port) == (0, twin.state_port)):
+                whole(self, k, data, port)
+
+        monkeypatch.setattr(SimulatedEgm, "_say", say)
+        states = AbbEgm().states(there, lambda: False)
+        next(states)
+        cut.set()
+        with pytest.raises(LinkError, match="silent"):
+            for _ in states:
+                pass

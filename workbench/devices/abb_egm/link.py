@@ -123,10 +123,10 @@ class AbbEgm:
             before: RobotState | None = None
             moved: dict[str, float] = {}
             while not cancelled():
-                ready = select.select(channels, [], [], POLL)[0]
+                select.select(channels, [], [], POLL)
+                # Each one, ready or not: what an arm reported before it fell silent is no state.
                 for channel in channels:
-                    was = channel.last
-                    feedback = channel.hear() if channel in ready or not ready else None
+                    was, feedback = channel.last, channel.hear()
                     if feedback and was and abs(feedback.axes - was.axes).max() > STILL:
                         moved[channel.arm.name] = time.monotonic()
                 if any(channel.last is None for channel in channels):

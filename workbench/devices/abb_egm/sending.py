@@ -252,14 +252,31 @@ class EgmSending:
                 self._report("running" if self._riding is not None else "waiting")
         return heard
 
-    def _news(self) -> Iterator[tuple[str, list[wire.Feedback]]]:
-        """What was reported since, within a moment, of the arms that have not ended."""
-        open_ones = {
-            n: open_channel for n, open_channel in self._channels.items() if n not in self._ended
-        }
-        ready = select.select(list(open_ones.values()), [], [], POLL)[0]
+    def _open_ones(self, silent: Mapping[str, LinkError]) -> dict[str, Channel]:
+        """The channels of arms that neither have ended nor are silent."""
+        gone = self._ended | silent.keys()
+        return {name: channel for name, channel in self._channels.items() if name not in gone}
+
+    def _news(
+        self, silent: dict[str, LinkError] | None = None
+    ) -> Iterator[tuple[str, list[wire.Feedback]]]:
+        """What was reported since, within a moment, of the arms that have not ended.
+
+        Raises:
+            LinkError: an arm is silent, also while others report; where `silent` is given, it is
+                noted there instead, and the arm is left out.
+        """
+        open_ones = self._open_ones(silent or {})
+        select.select(list(open_ones.values()), [], [], POLL)
         for name, channel in open_ones.items():
-            if (channel in ready or not ready) and channel.hear() is not None:
+            try:
+                is_new = channel.hear() is not None
+            except LinkError as error:
+                if silent is None:
+                    raise
+                silent[name] = error
+                continue
+            if is_new:
                 yield name, channel.came
 
     def _check_state(self, name: str, feedback: wire.Feedback) -> None:
@@ -318,17 +335,20 @@ class EgmSending:
     def _come_to_rest(self) -> bool:
         """Slow down along the way, then end EGM; whether every arm was reported to stand.
 
-        A robot that may not move is sent no new place, and none is sent where nothing is heard.
+        A robot that may not move is sent no new place, and none is sent where nothing is heard: a
+        silent arm is an error once the others rest.
         """
         if self._riding is not None:
             self._riding[1].brake()
-        ends_at = self._patience.clock() + self._patience.stop
-        while len(self._ended) < len(self._channels) and self._patience.clock() < ends_at:
-            for name, reports in self._news():
+        ends_at, silent = self._patience.clock() + self._patience.stop, dict[str, LinkError]()
+        while self._open_ones(silent) and self._patience.clock() < ends_at:
+            for name, reports in self._news(silent):
                 for feedback in reports:
                     self._check_state(name, feedback)
                 if self._slow_down(name):
                     self._ended.add(name)
+        for error in silent.values():
+            raise error
         return len(self._ended) == len(self._channels)
 
     def _slow_down(self, name: str) -> bool:
