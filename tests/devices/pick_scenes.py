@@ -49,8 +49,9 @@ class Sent(threading.Thread):
     def __init__(self, cell, plan, approval, **words):
         super().__init__(daemon=True)
         self.receipts, self.error, self.shown = [], None, []
-        self._given = (plan, approval, cell)
-        self._words = {"patience": PATIENT, "show": self.shown.append, **words}
+        self._given, self._over = (plan, approval, cell), threading.Event()
+        usual = {"patience": PATIENT, "show": self.shown.append, "cancelled": self._over.is_set}
+        self._words = {**usual, **words}
         self.start()
 
     def run(self):
@@ -59,6 +60,10 @@ class Sent(threading.Thread):
                 self.receipts.append(receipt)
         except Exception as error:
             self.error = error
+
+    def close(self):
+        self._over.set()
+        self.ended()
 
     def ended(self):
         self.join(PATIENCE)

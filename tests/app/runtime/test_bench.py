@@ -8,7 +8,7 @@ import threading
 from contextlib import closing
 
 import pytest
-from waiting import PATIENCE
+from waiting import PATIENCE, wait_until
 
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.jobs import JobEnded
@@ -23,6 +23,8 @@ from workbench.app.picking import facts
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.shipped import find
 from workbench.journal import files
 from workbench.journal.journal import Journal
 from workbench.model.cell import PlanOverrides
@@ -153,6 +155,34 @@ def test_a_stop_is_carried_out_even_when_it_cannot_be_recorded(bench, journal, n
     other.close()
     assert isinstance(noted[0].ran[-1], StopSending)
     assert bench.state.phase is Phase.SENDING
+
+
+def test_a_stop_is_carried_out_while_another_command_hangs_at_the_disk(
+    bench, journal, noted, samples, monkeypatch
+):
+    bench.do(SendPlan(approved(bench, samples)), "ada")
+    hangs, may_end = threading.Event(), threading.Event()
+    append = journal.append
+
+    def slow(*words):
+        hangs.set()
+        assert may_end.wait(PATIENCE)
+        return append(*words)
+
+    monkeypatch.setattr(journal, "append", slow)
+    receipt = Sent(Receipt(bench.state.number, "right", "start", "startR#", 1, 4))
+    threads = [threading.Thread(target=bench.do, args=(receipt, "robot link"))]
+    threads[0].start()
+    try:
+        assert hangs.wait(PATIENCE)
+        threads.append(threading.Thread(target=bench.do, args=(Stop(), "ada")))
+        threads[1].start()
+        wait_until(lambda: isinstance(noted[0].ran[-1], StopSending))
+        assert threads[1].is_alive(), "it waits until it is on record"
+    finally:
+        may_end.set()
+        for thread in threads:
+            thread.join(PATIENCE)
 
 
 def test_a_stop_waits_for_no_scan_on_its_way_to_the_disk(bench, journal, samples, monkeypatch):
@@ -368,6 +398,24 @@ def test_a_job_that_was_interrupted_has_failed_in_the_continued_session(cell, jo
     assert (
         str(again.state.message) == "the scan failed: the workbench ended before the task was done"
     )
+    again.close()
+
+
+def test_a_scan_by_a_scanner_on_an_arm_that_was_interrupted_has_failed_too(journal, clock):
+    cell = read_cell(find("robots", "yumi") / "on_arm.toml")
+    carrier = cell.scanner.on_arm
+
+    def at_view(cell, do, now):
+        noted = Noted(cell, do, now)
+        stands = {arm.name: arm.home for arm in cell.arms} | {carrier.arm: carrier.view.q}
+        noted.live = Live(joints=cell.joint_values(stands))
+        return noted
+
+    bench = Bench(cell, journal, now=clock, effects=at_view)
+    bench.do(TakeScan(), "ada")
+    bench.close()
+    again = Bench(cell, Journal(journal.folder), now=clock, effects=at_view)
+    assert again.state.job is None and again.state.scan is None
     again.close()
 
 

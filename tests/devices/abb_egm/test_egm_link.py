@@ -335,7 +335,7 @@ def test_one_arm_that_falls_silent_ends_the_motion_of_both(planned, monkeypatch,
                 whole(self, k, data, port)
 
         monkeypatch.setattr(SimulatedEgm, "_say", say)
-        with pytest.raises(LinkError, match="silent for 0.4 s"):
+        with pytest.raises(LinkError, match=r"silent for 0\.4 s"):
             list(send(plan, approval, there, patience=PATIENT))
         wait_until(lambda: _stand(twin.arms), "the arms to stand")
         assert twin.arms[first].leg <= 1, "no other leg has begun"

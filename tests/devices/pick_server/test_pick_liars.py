@@ -8,6 +8,7 @@ import pytest
 from pick_scenes import Program, Sent, another, elsewhere
 from waiting import wait_until
 
+from workbench.devices.pick_server import server as pick_server
 from workbench.devices.pick_server.lines import Form, line_bytes
 
 
@@ -133,3 +134,29 @@ def test_whoever_does_not_speak_the_protocol_gets_no_plan_and_disturbs_nobody(pl
     robot.close()
     assert sent.ended()[1] is None
     assert b"PLAN" not in heard and b"LEG" not in heard and b" TO " not in heard
+
+
+def test_connections_that_drip_bytes_keep_no_place(planned, monkeypatch):
+    cell, plan, approval = planned
+    monkeypatch.setattr(pick_server, "GREETING", 0.5)
+    there = elsewhere(cell)
+    sent = Sent(there, plan, approval)
+    wait_until(lambda: sent.shown)
+    address = "127.0.0.1", there.controller.port
+    dripping = [socket.create_connection(address) for _ in range(pick_server.MOST_CONNECTIONS)]
+
+    def are_closed():
+        for link in list(dripping):
+            try:
+                link.send(b"x")
+            except OSError:
+                link.close()
+                dripping.remove(link)
+        return not dripping
+
+    wait_until(are_closed)
+    robot = Program(there, there.controller.port)
+    assert robot.begin() > 0
+    assert robot.ask("stop", "over")[0] == "STOP"
+    sent.ended()
+    robot.close()

@@ -1,19 +1,20 @@
 """The pick server on TCP: a plan goes out leg by leg, once, and any doubt ends it."""
 
+import threading
 import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from pick_scenes import Program, Sent, another, elsewhere, program, spoiled
-from waiting import wait_until
+from pick_scenes import PATIENT, Program, Sent, another, elsewhere, program, spoiled
+from waiting import PATIENCE, wait_until
 
 from workbench.devices.pick_server import server as serving
 from workbench.devices.pick_server.link import PickServer
 from workbench.model.errors import CommandRefused, InputError, JobCancelled, LinkError
 from workbench.model.robot import AxisMapping
 from workbench.plugins.misfit import mapping_problem
-from workbench.plugins.robot_link import spoken_to_by
+from workbench.plugins.robot_link import send, spoken_to_by
 from workbench.testing import check_robot_link
 
 
@@ -122,6 +123,50 @@ def test_what_ended_before_its_end_is_answered_by_stop_until_the_program_has_sto
     assert robot.ask("stop") == ("OK", "stop")
     assert robot.ask("next", *robot.joints())[0] == "WAIT"
     robot.close()
+
+
+def test_a_program_inside_an_ended_plan_is_stopped_though_the_next_one_waits(planned):
+    cell, plan, approval = planned
+    there = elsewhere(cell)
+    sent, robot = Sent(there, plan, approval), Program(there, there.controller.port)
+    robot.begin()
+    robot.leg(1)
+    assert robot.ask("leg", "1")[0] == "STOP"
+    sent.ended()
+    following = Sent(there, plan, another(approval, 1))
+    wait_until(lambda: following.shown)
+    for words in (("state",), ("done", "1", *robot.joints()), ("next", *robot.joints())):
+        assert robot.ask(*words) == ("STOP", "ended")
+    assert robot.ask("stop") == ("OK", "stop")
+    assert robot.ask("state") == ("OK", "offered")
+    robot.close()
+    following.close()
+
+
+def test_no_leg_goes_out_after_a_stop_while_the_disk_holds_up_the_receipts(planned):
+    cell, plan, approval = planned
+    there, stop = elsewhere(cell), threading.Event()
+    taken, may_go_on = threading.Event(), threading.Event()
+
+    def held_up():
+        with pytest.raises(JobCancelled):
+            for _ in send(plan, approval, there, cancelled=stop.is_set, patience=PATIENT):
+                taken.set()
+                may_go_on.wait(PATIENCE)
+
+    thread = threading.Thread(target=held_up)
+    thread.start()
+    robot = Program(there, there.controller.port)
+    robot.begin()
+    assert taken.wait(PATIENCE)
+    robot.leg(1)
+    stop.set()
+    assert robot.ask("done", "1", *robot.joints())[0] == "STOP"
+    assert robot.ask("stop") == ("OK", "stop")
+    robot.close()
+    may_go_on.set()
+    thread.join(PATIENCE)
+    assert not thread.is_alive()
 
 
 def test_an_approval_that_runs_out_before_the_first_leg_gives_none(planned):

@@ -113,6 +113,15 @@ def test_a_command_that_comes_again_is_not_given_again(site, plc):
     assert plc.read(Register.COUNTER_ANSWERED) == words[-1]
 
 
+def test_another_command_with_a_counter_that_was_used_is_refused(site, plc):
+    words = plc.words(SCAN)
+    assert not plc.write(*words).isError()
+    wait_until(lambda: plc.read(Register.ANSWER) == Answer.DONE)
+    session, _, *others = words
+    assert plc.write(session, STOP, *others).exception_code == ILLEGAL_VALUE
+    assert plc.read(Register.COMMAND_ANSWERED) == SCAN
+
+
 def test_a_counter_or_a_session_that_is_not_the_next_is_refused(site, plc):
     session, *words, counter = plc.words(SCAN)
     for wrong in ((session, *words, counter + 1), (session, *words, 0xFFFF)):

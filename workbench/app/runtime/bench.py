@@ -45,7 +45,7 @@ class Effects(Protocol):
         ...
 
     def run(self, effect: Effect) -> None:
-        """Begin an effect; called one at a time, never again into `do` from within."""
+        """Begin an effect; one at a time, never again into `do` from within; a stop at any time."""
         ...
 
     def ask(self, question: Question) -> None:
@@ -104,6 +104,7 @@ class Bench:
         self._is_ending = False
         self._is_closed = False
         self._ages = VoteAges(steady)
+        self._effects: Effects | None = None
         journal.claim(now())
         if journal.count == 0:
             begin(journal, cell, now())
@@ -128,7 +129,7 @@ class Bench:
     @property
     def live(self) -> Live:
         """What goes on at this moment: it is not recorded and decides nothing."""
-        return self._effects.live
+        return Live() if self._effects is None else self._effects.live
 
     def do(self, command: Command, actor: str, role: Role = Role.ENGINEER) -> State:
         """Carry out a command, or refuse it and change nothing.
@@ -149,6 +150,9 @@ class Bench:
         # Looked at before anything is made of its content, which may be anything.
         check_allowed(self._state, command, actor, self._now(), joints, role)
         check_installed(self._state, command)
+        if isinstance(command, Stop):
+            # Another command, or a disk that hangs, may hold the lock; below it is done once more.
+            self._run((StopSending(),))
         command = with_facts(self._state, command)
         # A scan takes a while to become bytes, and to reach the disk: nobody else waits for that,
         # least of all a stop.
@@ -203,7 +207,8 @@ class Bench:
 
     def ask(self, question: Question) -> None:
         """Have something worked out that is only checked: it is not recorded, changes nothing."""
-        self._effects.ask(question)
+        if self._effects is not None:
+            self._effects.ask(question)
 
     @property
     def head(self) -> tuple[int, str]:
@@ -261,7 +266,8 @@ class Bench:
             if self._is_closed:
                 return
             self._is_ending = self._is_closed = True
-        self._effects.close()
+        if self._effects is not None:
+            self._effects.close()
         with self._changed:
             observers, self._observers = self._observers, []
         for observer in observers:
@@ -276,8 +282,10 @@ class Bench:
         self._changed.notify_all()
 
     def _run(self, effects: tuple[Effect, ...]) -> None:
-        for effect in effects:
-            self._effects.run(effect)
+        # Where a session begins, what is under way only ends: nothing carries out anything yet.
+        if self._effects is not None:
+            for effect in effects:
+                self._effects.run(effect)
 
     def _end_what_was_interrupted(self) -> None:
         if self._state.job is not None:

@@ -12,6 +12,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
 from workbench.model.messages.work import AskText
 from workbench.model.release import PartReport, Receipt
+from workbench.plugins.progress import Cancelled, never
 
 Words = tuple[str, ...]
 
@@ -29,6 +30,7 @@ class Carrying:
         *,
         now: Callable[[], float],
         released: Callable[[], None],
+        cancelled: Cancelled = never,
     ) -> None:
         """Offer a plan.
 
@@ -36,10 +38,11 @@ class Carrying:
             program: what is asked for.
             axes: how joints are read.
             now: seconds since the epoch, for the receipts.
-            released: called before the first leg goes out; raises when the approval does not hold.
+            released: called before each leg goes out; raises when the approval does not hold.
+            cancelled: whether somebody has stopped it: asked before anything is answered.
         """
         self.program, self._axes = program, axes
-        self._now, self._released = now, released
+        self._now, self._released, self._cancelled = now, released, cancelled
         self.is_taken, self.is_over = False, False
         self.fault: Exception | None = None
         self.is_stopping, self.is_acknowledged = False, False
@@ -78,6 +81,8 @@ class Carrying:
 
     def answer(self, request: Request) -> Words:
         """What is answered to a job of the plan; a doubt ends it, and is answered by `STOP`."""
+        # Whoever takes the receipts may be held up by a disk just then.
+        self.is_stopping = self.is_stopping or self._cancelled()
         if self.is_stopping:
             return "STOP", "stopped"
         try:

@@ -83,7 +83,7 @@ class PickConversation:
     def offer(self, carrying: Carrying) -> None:
         """Let a plan be asked for."""
         with self._changed:
-            self._carrying, self._is_ended = carrying, False
+            self._carrying = carrying
 
     def withdraw(self, carrying: Carrying) -> None:
         """End a sending; what the robot program asks for after it is answered by `STOP`."""
@@ -164,6 +164,7 @@ class PickConversation:
                     raise BadLine("taken")
                 carrying.doubt(ProtocolError(AskText.BEGAN_ANEW(where=carrying.where)))
             self._run, self._last, self._request, self._answer = run, 0, b"", b""
+            self._is_ended = False
         self._owner, self._heard_at = owner, self._clock()
         self._changed.notify_all()
         words = ("OK", version, str(self.session), str(self._last))
@@ -188,6 +189,10 @@ class PickConversation:
         carrying = self._carrying
         if request.job == "state":
             return self._state(request.words)
+        if self._is_ended:
+            # It is owed that answer also where the next plan waits already.
+            self._is_ended = request.job != "stop"
+            return ("STOP", "ended") if self._is_ended else ("OK", "stop")
         if carrying is not None and carrying.is_stopping and request.job == "stop":
             carrying.is_acknowledged = True
             return "OK", "stop"
@@ -201,9 +206,6 @@ class PickConversation:
             if request.job in ("next", "done") and words[0] != "STOP" and joints:
                 self._report(joints, in_motion=False)
             return words
-        if self._is_ended:
-            self._is_ended = request.job != "stop"
-            return ("STOP", "ended") if self._is_ended else ("OK", "stop")
         if request.job in ("leg", "point", "done", "pose", "picked", "placed", "failed"):
             return "NO", "plan"
         is_reported = request.words or not self.sends_poses
@@ -225,8 +227,10 @@ class PickConversation:
                     raise BadLine("joints") from error
                 text = AskText.NO_JOINTS(where=carrying.where, problem=error.message)
                 return carrying.doubt(ProtocolError(text))
+        if self._is_ended:
+            return "STOP", "ended"
         if carrying is None:
-            return ("STOP", "ended") if self._is_ended else ("OK", self.desk.phase())
+            return "OK", self.desk.phase()
         if carrying.is_stopping:
             return "STOP", "stopped"
         return "OK", "moving" if carrying.is_taken else "offered"

@@ -77,10 +77,12 @@ class PickServer:
         axes, options = axis_words(cell, form_of(cell)), pick_options(cell)
         if cell.controller.motion.sends_poses:
             poses = pose_program_of(cell, plan, approval)
-            carrying = PoseCarrying(poses, axes, now=now, released=check_release)
+            carrying = PoseCarrying(
+                poses, axes, now=now, released=check_release, cancelled=cancelled
+            )
         else:
             program = program_of(cell, plan, approval, axes)
-            carrying = Carrying(program, axes, now=now, released=check_release)
+            carrying = Carrying(program, axes, now=now, released=check_release, cancelled=cancelled)
         with self.server_of(cell) as server:
             talk, clock = server.conversation, patience.clock
             began, told, progressed = clock(), 0, clock()

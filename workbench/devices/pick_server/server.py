@@ -2,6 +2,7 @@
 
 import socket
 import threading
+import time
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -91,16 +92,17 @@ def _answer_all(
     link: socket.socket, conversation: PickConversation, form: Form, over: threading.Event
 ) -> None:
     """Answer line after line, until the connection ends or is another's."""
-    lines, bad, waited, was_owner = LineBuffer(form), 0, 0.0, False
+    lines, bad, began, was_owner = LineBuffer(form), 0, time.monotonic(), False
     while not over.is_set():
         is_owner = conversation.owns(link)
-        if (was_owner and not is_owner) or (not is_owner and waited > GREETING):
+        # Whatever it sends meanwhile: places are few.
+        is_late = time.monotonic() - began > GREETING
+        if (was_owner and not is_owner) or (not is_owner and is_late):
             return
         was_owner = is_owner
         try:
             data = link.recv(4096)
         except TimeoutError:
-            waited += POLL
             continue
         if not data:
             return

@@ -174,6 +174,7 @@ class Jobs:
         """Nothing was asked for; the session is drawn by lot."""
         self.session = secrets.randbelow(HIGHEST) + 1
         self.answered = Answered()
+        self._given: tuple[int, ...] = ()
         self._bench, self._lock = bench, threading.Lock()
         self._waits: Awaited | None = None
         self.close = bench.subscribe(lambda _old, _new: self._look())
@@ -191,25 +192,27 @@ class Jobs:
             Register.ERROR: last.error,
         }
 
-    def is_in_order(self, words: Sequence[int]) -> bool:
-        """Whether words with a counter name this session, and the last counter or the next one."""
-        last = self.answered.counter
-        is_known = words[Register.COUNTER] in (last, last % HIGHEST + 1)
-        return is_known and words[Register.SESSION_MEANT] == self.session
+    def give(self, words: Sequence[int]) -> bool:
+        """Give a command; one that was given already changes nothing.
 
-    def give(self, words: Sequence[int]) -> None:
-        """Give a command whose words are in order; one that was given already changes nothing."""
+        Returns:
+            Whether the words name this session, and the next counter; or they are the last ones.
+        """
         _, number, first, second, counter = words
         with self._lock:
-            if counter == self.answered.counter:
-                return
-            self._waits = None
+            if words[Register.SESSION_MEANT] != self.session:
+                return False
+            last = self.answered.counter
+            if counter != last % HIGHEST + 1:
+                # Two programs that count alike would each take the other's answer for theirs.
+                return counter == last and tuple(words) == self._given
+            self._waits, self._given = None, tuple(words)
             self.answered = Answered(counter, number, Answer.RUNNING)
         before = self._bench.state
         error = self._do(number, first, second)
         with self._lock:
             if counter != self.answered.counter:
-                return
+                return True
             if error is not Error.NONE:
                 self.answered = replace(self.answered, answer=Answer.NOT_DONE, error=error)
             elif brings := JOBS[number].brings:
@@ -218,6 +221,7 @@ class Jobs:
                 self.answered = replace(self.answered, answer=Answer.DONE)
         # The task may have ended before anybody waited for it.
         self._look()
+        return True
 
     def _do(self, number: int, first: int, second: int) -> Error:
         if number not in JOBS:

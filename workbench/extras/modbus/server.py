@@ -93,11 +93,10 @@ class Exchange:
             return ExcCodes.ILLEGAL_ADDRESS
         words = [*self.words[:address], *values, *self.words[end:]]
         is_command = address <= Register.COUNTER < end
-        if is_command and not self.jobs.is_in_order(words):
+        before, self.words = self.words, words
+        if is_command and not await asyncio.to_thread(self.jobs.give, words):
+            self.words = before if self.words is words else self.words
             return ExcCodes.ILLEGAL_VALUE
-        self.words = words
-        if is_command:
-            await asyncio.to_thread(self.jobs.give, words)
         return None
 
 
