@@ -186,6 +186,32 @@ def test_a_fault_that_no_journal_can_hold_is_an_end_all_the_same(rig):
     assert "the controller says" in str(one.ended().fault)
 
 
+def test_no_further_plan_goes_out_where_the_end_of_one_could_not_be_told(rig):
+    begun = []
+
+    def sends(plan, approval, cell, **_):
+        begun.append(approval.digest)
+        yield Receipt(0.0, "right", "in", "a message", 1, 1)
+
+    one = rig(sends, no_reports)
+    onward = SimpleNamespace(digest="1" * 64, first=APPROVAL.digest)
+    tell = one._do
+
+    def fails_once(command, actor):
+        is_first = isinstance(command, LinkEnded) and not any(
+            isinstance(each, LinkEnded) for each in one.told
+        )
+        tell(command, actor)
+        if is_first:
+            one.link.send(one.plan, onward)
+            raise RuntimeError("an effect fails")
+
+    one.link._do = fails_once
+    one.link.send(one.plan, APPROVAL)
+    wait_until(lambda: sum(isinstance(each, LinkEnded) for each in one.told) == 3)
+    assert begun == [APPROVAL.digest]
+
+
 def test_a_sending_needs_no_thread_that_may_not_be_had(rig, monkeypatch):
     def send(*arguments, **_):
         yield Receipt(0.0, "right", "in", "a message", 1, 1)

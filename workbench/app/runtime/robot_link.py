@@ -175,6 +175,8 @@ class LinkRunner:
         except Exception as error:
             # Whatever it is, the sending must not seem to go on for ever.
             log.exception("the end of a sending cannot be told as it was")
+            # The next plan of the row may wait already.
+            run.stopped.set()
             self._going = self._run = None
             # A text that no journal can hold may have been the reason.
             text = str(fault or internal_error(error))
