@@ -26,12 +26,14 @@ from workbench.app.core.cycle import (
     scanning,
     sending,
     unapproved,
+    verifying,
     viewing,
     watching,
 )
 
 SUBJECTS = (
     scanning,
+    verifying,
     parts,
     planning,
     viewing,

@@ -18,6 +18,7 @@ from workbench.model.prediction import Emptying
 from workbench.model.recipes.kit import KitProgress
 from workbench.model.release import Approval, PartReport, Receipt, Vote
 from workbench.model.scan import Detection, Obstacle, Remark, Scan, SearchOverrides, SearchRecord
+from workbench.model.verification import SPACING_LIMIT, BallScan, Touch
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
@@ -171,6 +172,8 @@ class SessionState:
     `views_without` the views of a scanner on an arm from which nothing could be taken since
     something was, in the chosen bin.
     `earlier` is a scan from other views, which the next one is merged with.
+    `ball_scans` and `touches` check the calibrated scanner, up to `check_limits` [m] of spacings
+    and touches; 0: as the calibration predicts.
     """
 
     cell: Cell = field(kw_only=False)
@@ -196,6 +199,11 @@ class SessionState:
     empty_bins: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     views_without: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     earlier: Scan | None = field(default_factory=lambda: None, metadata=LATER)
+    ball_scans: tuple[BallScan, ...] = field(default_factory=tuple, metadata=LATER)
+    touches: tuple[Touch, ...] = field(default_factory=tuple, metadata=LATER)
+    check_limits: tuple[float, float] = field(
+        default_factory=lambda: (SPACING_LIMIT, 0.0), metadata=LATER
+    )
 
     @property
     def is_saved(self) -> bool:

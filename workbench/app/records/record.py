@@ -30,12 +30,14 @@ from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Detection, Scan
+from workbench.model.verification import BallScan
 
 Result = (
     Scan
     | tuple[Detection, ...]
     | PlanResult
     | PlateObservation
+    | BallScan
     | Part
     | Tool
     | Emptying
@@ -56,6 +58,7 @@ RESULTS: Mapping[Any, str] = {
     tuple[Detection, ...]: "detections",
     PlanResult: "plan",
     PlateObservation: "sighting",
+    BallScan: "balls",
     Part: "part",
     Tool: "tool",
     Emptying: "emptying",

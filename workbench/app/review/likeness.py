@@ -17,6 +17,7 @@ from workbench.model.messages.message import plain
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.prediction import EmptiedPile, Emptying
 from workbench.model.scan import Detection, Scan
+from workbench.model.verification import BallScan
 from workbench.perception.matching.pose_error import pose_error
 from workbench.proof.claims.prove import prove
 
@@ -73,6 +74,8 @@ def resemblance(cell: Cell, kept: object, again: object) -> Resemblance:
             return _scans(kept, again)
         case tuple(), tuple():
             return _parts(cell, kept, again)
+        case BallScan(), BallScan():
+            return _ball_scans(kept, again)
         case PlateObservation(), PlateObservation():
             return _observations(kept, again)
         case PlanResult(), PlanResult():
@@ -170,6 +173,16 @@ def _observations(kept: PlateObservation, again: PlateObservation) -> Resemblanc
     if apart > MOVED or not same_place:
         return _other(f"a ball lies {_millimetres(apart)} elsewhere" if same_place else "")
     return _within(_millimetres(apart))
+
+
+def _ball_scans(kept: BallScan, again: BallScan) -> Resemblance:
+    if digest_of(kept) == digest_of(again):
+        return EQUAL
+    if kept.balls.shape != again.balls.shape:
+        return _other("")
+    apart = float(np.linalg.norm(kept.balls - again.balls, axis=1).max())
+    says = _millimetres(apart)
+    return _within(says) if apart <= MOVED else _other(f"a ball lies {says} elsewhere")
 
 
 def _emptyings(kept: Emptying, again: Emptying) -> Resemblance:

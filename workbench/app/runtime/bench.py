@@ -14,6 +14,7 @@ from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import SightPlate, TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
+from workbench.app.core.cycle.verifying import ScanBalls
 from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.decide import NOT_REPORTED, check_allowed, decide
 from workbench.app.core.effects import Effect, StopSending
@@ -194,7 +195,8 @@ class Bench:
         And where a scan is taken or used whose scanner an arm carries, or that goes to its view.
         """
         if self._state.cell.scanner.on_arm is not None and isinstance(
-            command, TakeScan | UseScan | SightPlate | GoOn | JobEnded | MakePlan | PlanView
+            command,
+            TakeScan | UseScan | SightPlate | ScanBalls | GoOn | JobEnded | MakePlan | PlanView,
         ):
             return True
         if isinstance(command, LinkEnded):

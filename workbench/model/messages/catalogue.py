@@ -83,6 +83,7 @@ from workbench.model.messages.verdicts import (
     VerdictNote,
     VerdictText,
 )
+from workbench.model.messages.verification import VerifyText
 from workbench.model.messages.work import (
     AskText,
     CancelText,
@@ -127,6 +128,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     PlateText,
     PoseText,
     DriftText,
+    VerifyText,
     FirstScanText,
     BinText,
     DifferenceText,

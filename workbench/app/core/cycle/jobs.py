@@ -23,14 +23,15 @@ from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Detection, Scan
+from workbench.model.verification import BallScan
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JobEnded(Command):
     """The worker finished job `number`.
 
-    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateObservation`, a `Part`, a
-    `Tool`, an `Emptying`, or the error that ended it.
+    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateObservation`, a
+    `BallScan`, a `Part`, a `Tool`, an `Emptying`, or the error that ended it.
     """
 
     right: ClassVar[Right] = Right(CommandText.JOB_ENDED, EVERY, beside_job=True, by_machine=True)
@@ -41,6 +42,7 @@ class JobEnded(Command):
         | tuple[Detection, ...]
         | PlanResult
         | PlateObservation
+        | BallScan
         | Part
         | Tool
         | Emptying
@@ -66,6 +68,8 @@ def _still_good(state: State, result: Any, entry: Entry) -> Any:
     match result:
         case Scan():
             problem = scan_problem(state.cell, result, standing_joints(state.cell, entry.joints))
+        case BallScan() if (carrier := state.cell.scanner.on_arm) is not None:
+            problem = plate_problem(state.cell, carrier.arm, result.q, entry.joints)
         case PlateObservation():
             problem = plate_problem(state.cell, result.arm, result.q, entry.joints)
         case _:

@@ -23,6 +23,7 @@ from workbench.app.core.cycle.arm_scanner import (
 from workbench.app.core.cycle.parts import add_search, find_parts, with_detections
 from workbench.app.core.cycle.planning import make_plan, with_plan
 from workbench.app.core.cycle.scanning import TakeScan, take_scan, with_scan
+from workbench.app.core.cycle.verifying import with_ball_scan
 from workbench.app.core.cycle.viewing import plan_path, with_view_plan
 from workbench.app.core.state import Job, Phase, State
 from workbench.model.calibration import PlateObservation
@@ -34,6 +35,7 @@ from workbench.model.messages.work import JobText
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Scan, SearchRecord
+from workbench.model.verification import BallScan
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
@@ -77,6 +79,8 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             observations = (*state.observations, result)
             message = StateText.PLATE_SEEN(pose=result.name, count=len(observations))
             return replace(state, observations=observations, message=message)
+        case ("balls", BallScan()):
+            return with_ball_scan(state, result)
         case ("emptying", Emptying()):
             return replace(state, emptying=result, message=emptying_words(result))
         case ("plan", PlanResult()):
