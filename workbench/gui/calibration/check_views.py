@@ -48,7 +48,10 @@ def touches_html(state: State, words: Words = IN_ENGLISH) -> str:
     if not touches:
         return line("No touch yet. Three balls or more are needed.", kind="hint")
     by_name = {scan.name: scan for scan in scans}
-    balls = [touched_ball(cell, by_name[touch.scan], touch) for touch in touches]
+    try:
+        balls = [touched_ball(cell, by_name[touch.scan], touch) for touch in touches]
+    except InputError as error:
+        return light_html("bad", f"{sentence(words.render(error.message))}.")
     rows = [
         (touch.name, touch.scan, str(ball.ball), mm(float(np.linalg.norm(ball.offset)), 2))
         for touch, ball in zip(touches, balls, strict=True)

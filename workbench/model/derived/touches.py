@@ -7,6 +7,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.scanner_poses import scanner_pose
+from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
 from workbench.model.messages.verification import VerifyText
@@ -51,14 +52,28 @@ def reach_of(seat: float, radius: float) -> float:
 
 
 def seen_balls(cell: Cell, scan: BallScan) -> Floats:
-    """The centres (k, 3) [m] in the world, by the scanner's pose in the cell."""
+    """The centres (k, 3) [m] in the world, by the scanner's pose in the cell.
+
+    Raises:
+        InputError: the scan is of another scanner: one on an arm, or one that stands.
+    """
+    carrier = cell.scanner.on_arm
+    if len(scan.q) != (0 if carrier is None else len(carrier.joints)):
+        raise InputError(VerifyText.OTHER_CELL(name=scan.name))
     T = scanner_pose(cell, scan.q)
     return scan.balls @ T.rotation.T + T.translation
 
 
 def touched_ball(cell: Cell, scan: BallScan, touch: Touch) -> TouchedBall:
-    """The ball that a touch means."""
-    T = tool_pose(cell, cell.arm(touch.arm), touch.q)
+    """The ball that a touch means.
+
+    Raises:
+        InputError: scan or touch are of another cell.
+    """
+    arm = cell.arm(touch.arm)
+    if len(touch.q) != len(arm.joints):
+        raise InputError(VerifyText.OTHER_CELL(name=touch.name))
+    T = tool_pose(cell, arm, touch.q)
     tip = T.act(np.array([0.0, 0.0, reach_of(touch.seat, scan.artefact.radius)]))
     seen = seen_balls(cell, scan)
     ball = int(np.linalg.norm(seen - tip, axis=1).argmin())
@@ -72,7 +87,10 @@ def touch_problem(cell: Cell, scan: BallScan, touch: Touch) -> Message | None:
     ball = 2 * scan.artefact.radius
     if not 0 <= touch.seat < ball:
         return VerifyText.SEAT(ball=f"{ball * 1000:g}")
-    touched = touched_ball(cell, scan, touch)
+    try:
+        touched = touched_ball(cell, scan, touch)
+    except InputError as error:
+        return error.message
     away = float(np.linalg.norm(touched.offset))
     if away > FAR:
         return VerifyText.FAR_TOUCH(away=away, ball=touched.ball, scan=scan.name)

@@ -28,6 +28,7 @@ class VerifyText(Text, subject="verify"):
         "the tip is {away:mm} from ball {ball} of {scan}, the nearest: are arm, joints and scan "
         "those of this touch?"
     )
+    OTHER_CELL = "{name} is of another robot or scanner: remove it"
     SAME_TOUCH = "these joints are those of {touch} already: bring the tip to another ball"
     NO_SUCH_SCAN = "there is no scan {scan} of the balls: scan them first"
     NO_SUCH = "there is no {name} among scans of the balls and touches"

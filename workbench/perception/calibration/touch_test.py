@@ -76,7 +76,8 @@ def assess_touches(
         limit: [m] of each offset; None: as the calibration predicts.
 
     Raises:
-        InputError: too few touches, all on a line, or no calibration that predicts anything.
+        InputError: too few touches, all on a line, of another cell, or no calibration that
+            predicts anything.
     """
     by_name = {scan.name: scan for scan in scans}
     balls = tuple(touched_ball(cell, by_name[touch.scan], touch) for touch in touches)
@@ -118,8 +119,10 @@ def predict_offsets(cell: Cell, seen: Floats, origin: Floats) -> Offsets:
     sizes, axes = np.linalg.eigh(covariance)
     moves = rng.standard_normal((DRAWS, 6)) * np.sqrt(np.maximum(sizes, 0.0)) @ axes.T
     rows = np.concatenate([np.tile(np.eye(3), (len(seen), 1, 1)), -crosses(seen - origin)], axis=2)
-    # The residuals of the poses are those of the robot, per ball in three directions.
-    deviation = np.sqrt(record.rms**2 / 3 + SEATED**2)
+    # The residuals are those of the robot, in three directions.  Each pose gives six equations, and
+    # the fit has taken twelve unknowns.
+    widening = record.poses / max(record.poses - 2, 1)
+    deviation = np.sqrt(widening * record.rms**2 / 3 + SEATED**2)
     alone = deviation * rng.standard_normal((DRAWS, len(seen), 3))
     drawn = np.einsum("kij,dj->dki", rows, moves) + alone
     return Offsets(*(float(np.quantile(values, SURE)) for values in _sizes(drawn)))
