@@ -2,8 +2,6 @@
 
 import json
 
-import pytest
-
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
@@ -37,8 +35,8 @@ def test_trueness_by_command(tmp_path, capsys):
 
 
 def test_touch_test_by_command(tmp_path, capsys):
-    file = tmp_path / "touch" / "touches.toml"
-    typed = ["scanner", "touch", "yumi", "--touches", str(file)]
+    file, cloud = tmp_path / "touch" / "joints.csv", tmp_path / "touch" / "scan.ply"
+    typed = ["scanner", "touch", "yumi", "--scan", str(cloud), "--joints", str(file)]
     assert main([*typed, "--simulate"]) == 2
     assert "no calibration predicts an error" in capsys.readouterr().err
     assert main([*typed, "--limit", "1", "--json"]) == 0
@@ -48,29 +46,35 @@ def test_touch_test_by_command(tmp_path, capsys):
     assert "is there already" in capsys.readouterr().err
 
     # The scanner hangs 3 mm from where the cell has it.
-    cell, cloud = read_cell("yumi"), file.parent / "scan.ply"
-    scan = read_scan(cloud, cell.scanner)
+    scan = read_scan(cloud, read_cell("yumi").scanner)
     write_cloud(cloud, type(scan)(scan.points + (0.003, 0, 0), scan.T_world_scanner, "test"))
     assert main([*typed, "--limit", "1"]) == 3
     assert "are a common shift: calibrate again" in capsys.readouterr().out
 
-    text = file.read_text()
-    last = text.rindex("[[touch]]")
-    for broken, says in (
-        (text[:last], "needs 3 touches; there are 2"),
-        (text.replace("tip_mm = 0", "tip_mm = 30"), "touch 1: the inner diameter"),
-        (text.replace('arm = "right"', 'arm = "left"'), "touch 1: "),
-        (text.replace("joints_deg = [", "joints_deg = [nan, ", 1), "joints_deg"),
-        (text.replace("sides_mm = [80", "sides_mm = [0"), "sides_mm"),
-        (text.replace("scan.ply", "other.ply"), "there is no file 'other.ply'"),
+    rows = file.read_text().splitlines()
+    for broken, more, says in (
+        (rows[:2], (), "needs 3 touches; there are 2"),
+        ([rows[0], rows[0], rows[0]], (), "lie on one line"),
+        (["nan" + rows[0][rows[0].index(",") :]], (), "line 1: 7 joint values within the limits"),
+        (["# a remark", "900" + rows[0][rows[0].index(",") :]], (), "line 2: 7 joint values"),
+        (["1, 2, 3"], (), "line 1: 7 joint values"),
+        (["one, two"], (), "line 1: 7 joint values"),
+        ([""], (), "there are 0"),
+        (rows, ("--tip", "30"), "touch 1: the inner diameter"),
+        (rows, ("--arm", "left"), "touch 1: the tip is"),
+        (rows, ("--arm", "third"), "third"),
+        (rows, ("--lengths", "80"), "lie on one line"),
+        (rows, ("--lengths", "0"), "more than the balls' diameter"),
+        (rows * 11, (), "touches in --joints"),
     ):
-        file.write_text(broken)
-        assert main([*typed, "--limit", "1"]) == 2
-        assert says in capsys.readouterr().err
+        file.write_text("\n".join(broken))
+        assert main([*typed, "--limit", "1", *more]) == 2
+        assert says in capsys.readouterr().err, broken
 
 
-@pytest.mark.parametrize("what", ["trueness", "touch"])
-def test_what_is_not_there_is_said(tmp_path, capsys, what):
-    option = "--scans" if what == "trueness" else "--touches"
-    assert main(["scanner", what, "yumi", option, str(tmp_path / "nothing.toml")]) == 2
-    assert "nothing.toml" in capsys.readouterr().err
+def test_files_that_are_not_there_are_named(tmp_path, capsys):
+    missing = str(tmp_path / "nothing.ply")
+    assert main(["scanner", "trueness", "yumi", "--scans", missing]) == 2
+    assert "nothing.ply" in capsys.readouterr().err
+    assert main(["scanner", "touch", "yumi", "--scan", missing, "--joints", missing]) == 2
+    assert "nothing.ply" in capsys.readouterr().err

@@ -74,9 +74,7 @@ def resemblance(cell: Cell, kept: object, again: object) -> Resemblance:
             return _scans(kept, again)
         case tuple(), tuple():
             return _parts(cell, kept, again)
-        case BallScan(), BallScan():
-            return _ball_scans(kept, again)
-        case PlateObservation(), PlateObservation():
+        case ((PlateObservation() | BallScan()), (PlateObservation() | BallScan())):
             return _observations(kept, again)
         case PlanResult(), PlanResult():
             return _plannings(cell, kept, again)
@@ -165,24 +163,18 @@ def _part_problem(detection: Detection, other: Detection, distance: float, turn:
     return ""
 
 
-def _observations(kept: PlateObservation, again: PlateObservation) -> Resemblance:
-    if digest_of(kept) == digest_of(again):
-        return EQUAL
-    apart = float(np.linalg.norm(kept.balls - again.balls, axis=1).max())
-    same_place = (kept.name, kept.arm, *kept.q) == (again.name, again.arm, *again.q)
-    if apart > MOVED or not same_place:
-        return _other(f"a ball lies {_millimetres(apart)} elsewhere" if same_place else "")
-    return _within(_millimetres(apart))
-
-
-def _ball_scans(kept: BallScan, again: BallScan) -> Resemblance:
+def _observations(
+    kept: PlateObservation | BallScan, again: PlateObservation | BallScan
+) -> Resemblance:
     if digest_of(kept) == digest_of(again):
         return EQUAL
     if kept.balls.shape != again.balls.shape:
         return _other("")
     apart = float(np.linalg.norm(kept.balls - again.balls, axis=1).max())
-    says = _millimetres(apart)
-    return _within(says) if apart <= MOVED else _other(f"a ball lies {says} elsewhere")
+    same_place = (kept.name, *kept.q) == (again.name, *again.q)
+    if apart > MOVED or not same_place:
+        return _other(f"a ball lies {_millimetres(apart)} elsewhere" if same_place else "")
+    return _within(_millimetres(apart))
 
 
 def _emptyings(kept: Emptying, again: Emptying) -> Resemblance:

@@ -77,12 +77,22 @@ class ScannerTouch:
     """
 
     cell: Positional[CellName]
-    touches: Path
-    """TOML file of the touches; the scan lies beside it."""
+    scan: Path
+    """Point cloud of the plate, PLY or PCD, in the unit of the cell's scanner."""
+    joints: Path
+    """Text file: a line for each touch, joints as the pendant shows them."""
+    arm: str = ""
+    """Whose tool touches; the cell's first when not given."""
+    tip: float = 0.0
+    """Inner diameter of a hollow tip, which centres itself on the ball [mm]; 0: a point."""
+    lengths: tuple[float, ...] = (80.0, 100.0, 120.0)
+    """Distances of the centres [mm]: 1 to 2, 2 to 3, 3 to 1."""
+    ball: float = 30.0
+    """Diameter of the balls [mm]."""
     limit: float = 0.0
     """Largest offset that is good [mm]; 0: as the calibration predicts."""
     simulate: bool = False
-    """Without hardware: make file and scan; the scanner is off as its calibration predicts."""
+    """Without hardware: make both files; the scanner is off as its calibration predicts."""
     seed: Seed = 0
     json: Json = False
 

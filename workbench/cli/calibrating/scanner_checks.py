@@ -1,6 +1,5 @@
 """`workbench scanner trueness` and `touch`: checks of a calibrated scanner."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +17,9 @@ from workbench.cli.arguments import scanner as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.cells.touches import TouchesFile, read_touches, write_touches
+from workbench.formats.cells.touches import read_joint_rows, write_joint_rows
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.files.whole_files import make_folder
-from workbench.model.calibration import BallPlate
 from workbench.model.cell import Cell
 from workbench.model.derived.scanner_poses import calibration_covariance
 from workbench.model.derived.touches import touch_problem
@@ -38,9 +36,8 @@ CLOUDS = (".ply", ".pcd")
 def trueness(typed: arguments.ScannerTrueness) -> int:
     """Find the balls in every scan, compare their distances with the stated ones."""
     cell = read_cell(typed.cell)
-    check_number("--ball", typed.ball, 4, 400)
     check_number("--limit", typed.limit, 0.01, 100)
-    artefact = BallArtefact(typed.ball / 2000, np.array(typed.lengths) / 1000)
+    artefact = _artefact(typed.ball, typed.lengths)
     if typed.simulate:
         check_whole("--seed", typed.seed, 0, SEED_LIMIT - MOST_CHECKS)
         _simulate_scans(cell, artefact, _one_folder(typed.scans), typed.seed)
@@ -66,19 +63,17 @@ def trueness(typed: arguments.ScannerTrueness) -> int:
 
 def touch(typed: arguments.ScannerTouch) -> int:
     """Compare where the robot and the scanner have the balls that a tool touches."""
-    cell, path = read_cell(typed.cell), typed.touches
+    cell, artefact = read_cell(typed.cell), _artefact(typed.ball, typed.lengths)
     check_number("--limit", typed.limit, 0, 100)
+    arm, seat = cell.arm(typed.arm or cell.arms[0].name), typed.tip / 1000
     if typed.simulate:
-        check_whole("--seed", typed.seed, 0, SEED_LIMIT - MOST_CHECKS)
-        _simulate_touches(cell, path, typed.seed)
-    file = read_touches(path, cell)
-    cloud = read_scan(file.scan, replace(cell.scanner, unit=file.unit))
-    artefact = BallArtefact(file.plate.radius, file.plate.sides)
-    scan = sight_balls(cloud, artefact, file.scan.name, _view(cell), 0)
-    touches = [
-        Touch(f"touch {number}", scan.name, file.arm, q, file.seat)
-        for number, q in enumerate(file.qs, start=1)
-    ]
+        _simulate_touches(cell, artefact, typed)
+    scan = sight_balls(
+        read_scan(typed.scan, cell.scanner), artefact, typed.scan.name, _view(cell), 0
+    )
+    qs = read_joint_rows(typed.joints, cell, arm)[: MOST_CHECKS + 1]
+    check_whole("touches in --joints", len(qs), 0, MOST_CHECKS)
+    touches = [Touch(f"touch {k}", scan.name, arm.name, q, seat) for k, q in enumerate(qs, start=1)]
     for each in touches:
         if problem := touch_problem(cell, scan, each):
             raise InputError(f"{each.name}: {problem}")
@@ -149,6 +144,12 @@ def _print_touches(touches: list[Touch], found: TouchTest) -> None:
     print(found.says)
 
 
+def _artefact(ball: float, lengths: tuple[float, ...]) -> BallArtefact:
+    """By diameter and distances [mm]."""
+    check_number("--ball", ball, 4, 400)
+    return BallArtefact(ball / 2000, np.array(lengths) / 1000)
+
+
 def _view(cell: Cell) -> Floats:
     """Where the arm with the scanner stood: at the view; empty where the scanner stands."""
     carrier = cell.scanner.on_arm
@@ -180,29 +181,25 @@ def _simulate_scans(cell: Cell, artefact: BallArtefact, folder: Path, seed: int)
         write_cloud(folder / f"place_{number + 1}.ply", scan, unit=unit, axes=axes)
 
 
-def _simulate_touches(cell: Cell, path: Path, seed: int) -> None:
+def _simulate_touches(cell: Cell, artefact: BallArtefact, typed: arguments.ScannerTouch) -> None:
     """A scan by a scanner that is off as its calibration predicts, and touches of all balls."""
-    if path.exists():
-        raise InputError(f"{path}: is there already; name another file for --simulate")
-    rng, plate, arm = np.random.default_rng(seed), BallPlate(), cell.arms[0]
-    artefact, covariance = (
-        BallArtefact(plate.radius, plate.sides),
-        calibration_covariance(cell.scanner),
-    )
-    T = cell.scanner.T_world_scanner
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - MOST_CHECKS)
+    for path in (typed.scan, typed.joints):
+        if path.exists():
+            raise InputError(f"{path}: is there already; name another file for --simulate")
+        make_folder(path.parent)
+    rng, arm = np.random.default_rng(typed.seed), cell.arm(typed.arm or cell.arms[0].name)
+    T, covariance = cell.scanner.T_world_scanner, calibration_covariance(cell.scanner)
     if covariance is not None:
         off = rng.multivariate_normal(np.zeros(6), covariance)
         T = pin.SE3(pin.exp3(off[3:]) @ T.rotation, T.translation + off[:3])
     with progress("touch") as report:
         make_ready(report, ("planning",))
-    make_folder(path.parent)
-    cloud, unit, axes = path.parent / "scan.ply", cell.scanner.unit, cell.scanner.cloud_axes
-    scan = simulated_balls(cell, artefact, seed=seed, T_world_scanner=T)
-    write_cloud(cloud, scan, unit=unit, axes=axes)
-    place = simulated_place(cell, artefact, seed)
-    balls = [place.act(centre) + rng.normal(0, SEATED, 3) for centre in artefact.centres]
-    qs = tuple(
-        touching_joints(cell, arm, ball, plate.radius, 0.0, seed=seed + number)
-        for number, ball in enumerate(balls)
-    )
-    write_touches(path, cell, arm, TouchesFile(cloud, unit, plate, arm.name, 0.0, qs))
+    scan = simulated_balls(cell, artefact, seed=typed.seed, T_world_scanner=T)
+    write_cloud(typed.scan, scan, unit=cell.scanner.unit, axes=cell.scanner.cloud_axes)
+    place = simulated_place(cell, artefact, typed.seed)
+    qs: list[Floats] = []
+    for centre in artefact.centres:
+        ball, tip = place.act(centre) + rng.normal(0, SEATED, 3), typed.tip / 1000
+        qs.append(touching_joints(cell, arm, ball, artefact.radius, tip, seed=len(qs)))
+    write_joint_rows(typed.joints, cell, arm, qs)

@@ -151,15 +151,6 @@ def _plate(table: Table, *, stands: bool) -> BallPlate:
             else "the scanner of this cell stands; scans of a plate that an arm holds are expected"
         )
         raise table.error("stands", problem)
-    return read_plate(table)
-
-
-def read_plate(table: Table) -> BallPlate:
-    """A plate by `ball_mm`, the diameter, and `sides_mm`: 1 to 2, 2 to 3, 3 to 1.
-
-    Raises:
-        FileError: names file, key, value and what was expected.
-    """
     radius = table.number("ball_mm", low=4, high=400) / 2000
     sides = table.numbers("sides_mm", 3, low=4, high=2000) / 1000
     table.finish()
@@ -174,15 +165,6 @@ def _pose(table: Table, cell: Cell, arm: Arm) -> ScannedPose:
     scan = table.path.parent / name
     if not is_file(scan):
         raise table.error("scan", f"there is no file {name!r} beside {FILE}")
-    return ScannedPose(scan, read_joints(table, cell, arm))
-
-
-def read_joints(table: Table, cell: Cell, arm: Arm) -> Floats:
-    """A configuration (n,) [rad], chain order, by `joints_deg` as the controller shows it.
-
-    Raises:
-        FileError: they are not as many as the arm has, or outside its limits.
-    """
     count = len(arm.joints)
     shown = table.numbers("joints_deg", count, low=-MOST_SHOWN, high=MOST_SHOWN)
     table.finish()
@@ -190,7 +172,7 @@ def read_joints(table: Table, cell: Cell, arm: Arm) -> Floats:
     lower, upper, _ = cell.robot.limits(arm.joints)
     if not np.all((q >= lower - 1e-3) & (q <= upper + 1e-3)):
         raise table.error("joints_deg", f"lies outside the limits of the {arm.name} arm")
-    return q
+    return ScannedPose(scan, q)
 
 
 def write_scanned_poses(
