@@ -63,7 +63,7 @@ def test_touch_test_by_command(tmp_path, capsys):
         (rows, ("--tip", "30"), "touch 1: the inner diameter"),
         (rows, ("--arm", "left"), "touch 1: the tip is"),
         (rows, ("--arm", "third"), "third"),
-        (rows, ("--lengths", "80"), "lie on one line"),
+        (rows, ("--lengths", "80"), "the tip is"),
         (rows, ("--lengths", "0"), "more than the balls' diameter"),
         (rows * 11, (), "touches in --joints"),
     ):
