@@ -17,8 +17,8 @@ from workbench.app.calibration.simulated_checks import (
     touching_joints,
 )
 from workbench.formats.cells.reading import read_cell
+from workbench.model.calibration import SPACING_LIMIT, BallArtefact, BallScan, Touch
 from workbench.model.derived.scanner_poses import with_calibrated_scanner
-from workbench.model.verification import SPACING_LIMIT, BallArtefact, BallScan, Touch
 from workbench.perception.calibration.ball_scan import sight_balls
 from workbench.perception.calibration.calibrate import calibrate
 from workbench.perception.calibration.touch_test import SEATED, assess_touches

@@ -8,8 +8,8 @@ import pytest
 from workbench.app.calibration.simulated_checks import simulated_place, touching_joints
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.cycle.jobs import JobEnded
-from workbench.app.core.cycle.verifying import LimitChecks, RecordTouch, RemoveCheck, ScanBalls
 from workbench.app.core.people import WORKER
+from workbench.app.core.verifying import LimitChecks, RecordTouch, RemoveCheck, ScanBalls
 from workbench.app.review.recompute import recompute_tasks
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
@@ -17,10 +17,9 @@ from workbench.app.runtime.work import JOBS
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.calibration.check_views import touches_html, trueness_html
 from workbench.journal.journal import Journal
-from workbench.model.calibration import CalibrationRecord
+from workbench.model.calibration import BallArtefact, CalibrationRecord
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.verification import BallArtefact
 from workbench.perception.calibration.touch_test import assess_touches
 
 PLATE = BallArtefact()

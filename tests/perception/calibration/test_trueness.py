@@ -4,9 +4,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from workbench.model.calibration import BallArtefact, BallScan
 from workbench.model.errors import InputError
 from workbench.model.scan import Scan
-from workbench.model.verification import BallArtefact, BallScan
 from workbench.perception.calibration.ball_scan import sight_balls
 from workbench.perception.calibration.trueness import assess_trueness
 

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.calibration import BallArtefact
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.scanner_poses import scanner_pose
 from workbench.model.derived.touches import reach_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.model.messages.verification import VerifyText
+from workbench.model.messages.calibration import VerifyText
 from workbench.model.scan import Scan
-from workbench.model.verification import BallArtefact
 from workbench.perception.simulation.ball_plate import ball_solids, cell_scene, scan_scene
 from workbench.perception.views.surfaces import add_solids
 from workbench.planning.kinematics.robot import Kinematics

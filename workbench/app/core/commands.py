@@ -2,7 +2,7 @@
 
 from types import ModuleType
 
-from workbench.app.core import control, session
+from workbench.app.core import control, session, verifying
 from workbench.app.core.cell import (
     bins,
     changes,
@@ -26,7 +26,6 @@ from workbench.app.core.cycle import (
     scanning,
     sending,
     unapproved,
-    verifying,
     viewing,
     watching,
 )

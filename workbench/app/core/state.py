@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from workbench.app.provenance.inventory import Inventory
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import SPACING_LIMIT, BallScan, PlateObservation, Touch
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import LATER
@@ -18,7 +18,6 @@ from workbench.model.prediction import Emptying
 from workbench.model.recipes.kit import KitProgress
 from workbench.model.release import Approval, PartReport, Receipt, Vote
 from workbench.model.scan import Detection, Obstacle, Remark, Scan, SearchOverrides, SearchRecord
-from workbench.model.verification import SPACING_LIMIT, BallScan, Touch
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn

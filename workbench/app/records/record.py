@@ -20,7 +20,7 @@ from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import State
 from workbench.app.records.forms import Content, ReadFile, large_arrays, restore_value
 from workbench.formats.files.json_pieces import encode_json
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.cell import Cell, Tool
 from workbench.model.derived.by_recipe import kit_of
 from workbench.model.digest import canonical, digest_of
@@ -30,7 +30,6 @@ from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Detection, Scan
-from workbench.model.verification import BallScan
 
 Result = (
     Scan

@@ -10,14 +10,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.messages.message import plain
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.prediction import EmptiedPile, Emptying
 from workbench.model.scan import Detection, Scan
-from workbench.model.verification import BallScan
 from workbench.perception.matching.pose_error import pose_error
 from workbench.proof.claims.prove import prove
 

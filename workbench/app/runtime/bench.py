@@ -14,13 +14,13 @@ from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import SightPlate, TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
-from workbench.app.core.cycle.verifying import ScanBalls
 from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.decide import NOT_REPORTED, check_allowed, decide
 from workbench.app.core.effects import Effect, StopSending
 from workbench.app.core.people import MACHINES, ROBOT_LINK, SESSION_START, WORKER, Role
 from workbench.app.core.session import Opened, Started
 from workbench.app.core.state import Phase, State
+from workbench.app.core.verifying import ScanBalls
 from workbench.app.picking.facts import check_installed, with_facts
 from workbench.app.records.record import CommandForm, command_form, entry_record
 from workbench.app.records.replay import replay

@@ -23,7 +23,7 @@ from workbench.app.viewing.view_plan import plan_view
 from workbench.formats.cells.reading import part_folders
 from workbench.formats.parts.reading import read_part
 from workbench.formats.parts.scales import round_shape
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.cell import Cell, Tool
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.messages.calibration import ScaleText
@@ -31,7 +31,6 @@ from workbench.model.messages.work import CancelText, JobText, ProgressText
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.scan import LocalizationResult, Scan, SearchOverrides, Unexplained
-from workbench.model.verification import BallScan
 from workbench.perception.calibration.ball_scan import sight_balls
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.parts.sizing import ROUNDS, learn_sizes, offset_of

@@ -17,15 +17,15 @@ from workbench.cli.arguments import scanner as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.cells.touches import read_joint_rows, write_joint_rows
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.files.whole_files import make_folder
+from workbench.formats.poses.joint_rows import read_joint_rows, write_joint_rows
+from workbench.model.calibration import BallArtefact, BallScan, Touch
 from workbench.model.cell import Cell
 from workbench.model.derived.scanner_poses import calibration_covariance
 from workbench.model.derived.touches import touch_problem
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.model.verification import BallArtefact, BallScan, Touch
 from workbench.perception.calibration.ball_scan import sight_balls
 from workbench.perception.calibration.touch_test import SEATED, Offsets, TouchTest, assess_touches
 from workbench.perception.calibration.trueness import ADVISED, Trueness, assess_trueness

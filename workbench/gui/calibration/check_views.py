@@ -9,9 +9,9 @@ from workbench.app.core.state import State
 from workbench.gui.shared.calibration_views import light_html
 from workbench.gui.shared.views import line, mm, sentence, table_html
 from workbench.gui.texts.calibration import CalibrationText
+from workbench.model.calibration import BallScan
 from workbench.model.derived.touches import touched_ball
 from workbench.model.errors import InputError
-from workbench.model.verification import BallScan
 from workbench.perception.calibration.touch_test import assess_touches
 from workbench.perception.calibration.trueness import assess_trueness
 from workbench.words.words import IN_ENGLISH, Words
@@ -39,7 +39,7 @@ def trueness_html(scans: Sequence[BallScan], limit: float, words: Words = IN_ENG
     ]
     verdict = light_html(found.light, f"{sentence(words.render(found.says))}.")
     table = table_html([(name, words.render(fact)) for name, fact in facts])
-    return verdict + table + _rows_html(("Scan", "Stated", "Measured", "Error"), rows)
+    return verdict + table + _rows_html(("Scan",), ("Stated", "Measured", "Error"), rows)
 
 
 def touches_html(state: State, words: Words = IN_ENGLISH) -> str:
@@ -56,7 +56,7 @@ def touches_html(state: State, words: Words = IN_ENGLISH) -> str:
         (touch.name, touch.scan, str(ball.ball), mm(float(np.linalg.norm(ball.offset)), 2))
         for touch, ball in zip(touches, balls, strict=True)
     ]
-    table = _rows_html(("Touch", "Scan", "Ball", "Off"), rows)
+    table = _rows_html(("Touch", "Scan", "Ball"), ("Off",), rows)
     try:
         found = assess_touches(cell, scans, touches, state.check_limits[1] or None)
     except InputError as error:
@@ -74,16 +74,18 @@ def touches_html(state: State, words: Words = IN_ENGLISH) -> str:
     return verdict + table_html([(name, words.render(fact)) for name, fact in facts]) + table
 
 
-def _rows_html(heads: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
-    """A table; lengths stand on the right."""
-    head = "".join(f"<th>{escape(name)}</th>" for name in heads)
-    body = "".join("<tr>" + "".join(map(_cell_html, row)) + "</tr>" for row in rows)
+def _rows_html(
+    names: tuple[str, ...], numbers: tuple[str, ...], rows: Sequence[tuple[str, ...]]
+) -> str:
+    """A table: columns of names, then of numbers, which stand on the right."""
+    kinds = [""] * len(names) + [' class="wb-number"'] * len(numbers)
+
+    def row_html(cells: tuple[str, ...], tag: str) -> str:
+        pairs = zip(kinds, cells, strict=True)
+        return f"<tr>{''.join(f'<{tag}{kind}>{escape(cell)}</{tag}>' for kind, cell in pairs)}</tr>"
+
+    body = "".join(row_html(row, "td") for row in rows)
     return (
-        f'<div class="wb-rows"><table class="wb-table"><thead><tr>{head}</tr></thead>'
-        f"<tbody>{body}</tbody></table></div>"
+        '<div class="wb-rows"><table class="wb-table"><thead>'
+        f"{row_html((*names, *numbers), 'th')}</thead><tbody>{body}</tbody></table></div>"
     )
-
-
-def _cell_html(value: str) -> str:
-    number = ' class="wb-number"' if value.endswith(" mm") else ""
-    return f"<td{number}>{escape(value)}</td>"

@@ -6,18 +6,18 @@ import numpy as np
 import viser
 
 from workbench.app.core.command import Command
-from workbench.app.core.cycle.verifying import LimitChecks, RecordTouch, RemoveCheck, ScanBalls
 from workbench.app.core.state import State
+from workbench.app.core.verifying import LimitChecks, RecordTouch, RemoveCheck, ScanBalls
 from workbench.gui.calibration.check_views import touches_html, trueness_html
 from workbench.gui.help.groups import group
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
+from workbench.model.calibration import BallArtefact, BallScan, Touch
 from workbench.model.cell import Arm
 from workbench.model.derived.controller_axes import from_shown
 from workbench.model.derived.touches import seen_balls
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.model.verification import BallArtefact, BallScan, Touch
 
 PLATE, BAR = "Plate", "Ball bar"
 

@@ -26,12 +26,11 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line, not_saved
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.calibration import CalibrationText
-from workbench.model.calibration import BallPlate, Calibration, PlateObservation
+from workbench.model.calibration import BallArtefact, BallPlate, Calibration, PlateObservation
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.messages.commands import EditText
-from workbench.model.verification import BallArtefact
 
 MOST_ROWS = MOST_OBSERVATIONS
 

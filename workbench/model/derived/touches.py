@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.calibration import BallScan, Touch
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.scanner_poses import scanner_pose
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.messages.calibration import VerifyText
 from workbench.model.messages.message import Message
-from workbench.model.messages.verification import VerifyText
-from workbench.model.verification import BallScan, Touch
 
 NO_TCP = 1e-6
 """[m] A TCP nearer to the flange is that of no tool."""

@@ -13,6 +13,7 @@ from workbench.model.messages.calibration import (
     PoseText,
     ScaleText,
     ScanText,
+    VerifyText,
 )
 from workbench.model.messages.cells import (
     AssemblyText,
@@ -83,7 +84,6 @@ from workbench.model.messages.verdicts import (
     VerdictNote,
     VerdictText,
 )
-from workbench.model.messages.verification import VerifyText
 from workbench.model.messages.work import (
     AskText,
     CancelText,

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from workbench.model.calibration import BallArtefact, BallScan
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.model.messages.verification import VerifyText
+from workbench.model.messages.calibration import VerifyText
 from workbench.model.scan import Scan
-from workbench.model.verification import BallArtefact, BallScan
 from workbench.perception.calibration.balls import choose_balls, find_balls
 
 OFF, OFF_SHARE = 0.003, 0.02

@@ -11,15 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.calibration import Light
+from workbench.model.calibration import BallScan, Light, Touch
 from workbench.model.cell import Cell
 from workbench.model.derived.scanner_poses import calibration_covariance, scanner_pose
 from workbench.model.derived.touches import TouchedBall, touched_ball
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.messages.calibration import VerifyText
 from workbench.model.messages.message import Message, all_of
-from workbench.model.messages.verification import VerifyText
-from workbench.model.verification import BallScan, Touch
 from workbench.perception.calibration.plate_poses import crosses
 
 FEWEST = 3

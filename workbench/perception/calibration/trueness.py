@@ -12,12 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtrit
 
-from workbench.model.calibration import Light
+from workbench.model.calibration import BallScan, Light
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.messages.calibration import VerifyText
 from workbench.model.messages.message import Message
-from workbench.model.messages.verification import VerifyText
-from workbench.model.verification import BallScan
 
 SURE = 0.99
 """Confidence level of a scale error."""

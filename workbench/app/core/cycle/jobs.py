@@ -12,7 +12,7 @@ from workbench.app.core.cycle.correcting import CORRECT, with_corrected
 from workbench.app.core.cycle.results import gone_on, with_result
 from workbench.app.core.effects import StopJob
 from workbench.app.core.state import Phase, State
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.cell import Tool
 from workbench.model.errors import InputError, WorkbenchError
 from workbench.model.messages.commands import CommandText
@@ -23,7 +23,6 @@ from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Detection, Scan
-from workbench.model.verification import BallScan
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -23,11 +23,11 @@ from workbench.app.core.cycle.arm_scanner import (
 from workbench.app.core.cycle.parts import add_search, find_parts, with_detections
 from workbench.app.core.cycle.planning import make_plan, with_plan
 from workbench.app.core.cycle.scanning import TakeScan, take_scan, with_scan
-from workbench.app.core.cycle.verifying import with_ball_scan
 from workbench.app.core.cycle.viewing import plan_path, with_view_plan
 from workbench.app.core.state import Job, Phase, State
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.errors import JobCancelled, WorkbenchError
+from workbench.model.messages.calibration import VerifyText
 from workbench.model.messages.cells import BinChoiceText
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.states import StateText, task_message
@@ -35,7 +35,6 @@ from workbench.model.messages.work import JobText
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Scan, SearchRecord
-from workbench.model.verification import BallScan
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
@@ -80,7 +79,9 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             message = StateText.PLATE_SEEN(pose=result.name, count=len(observations))
             return replace(state, observations=observations, message=message)
         case ("balls", BallScan()):
-            return with_ball_scan(state, result)
+            scans = (*state.ball_scans, result)
+            message = VerifyText.SCAN_SEEN(scan=result.name, count=len(scans))
+            return replace(state, ball_scans=scans, message=message)
         case ("emptying", Emptying()):
             return replace(state, emptying=result, message=emptying_words(result))
         case ("plan", PlanResult()):

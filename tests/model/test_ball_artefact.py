@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from workbench.model.calibration import BallArtefact, BallScan
 from workbench.model.errors import InputError
-from workbench.model.verification import BallArtefact, BallScan
 
 
 @pytest.mark.parametrize(

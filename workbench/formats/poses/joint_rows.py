@@ -46,7 +46,7 @@ def read_joint_rows(path: Path, cell: Cell, arm: Arm) -> tuple[Floats, ...]:
 
 
 def write_joint_rows(path: Path, cell: Cell, arm: Arm, qs: Iterable[Floats]) -> None:
-    """Write what `read_joint_rows` reads.
+    """Write what `read_joint_rows` reads, of configurations (n,) [rad], chain order.
 
     Raises:
         FileError: it cannot be written.

@@ -18,12 +18,12 @@ from workbench.app.core.value_checks import (
     check_number,
     check_text,
 )
+from workbench.model.calibration import BallArtefact, BallScan, Touch
 from workbench.model.derived.touches import touch_problem, touched_ball
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import Floats, frozen, put
+from workbench.model.messages.calibration import VerifyText
 from workbench.model.messages.commands import CommandText
-from workbench.model.messages.verification import VerifyText
-from workbench.model.verification import BallArtefact, BallScan, Touch
 
 LEAST_LIMIT, MOST_LIMIT = 1e-5, 0.1
 """[m]"""
@@ -139,13 +139,6 @@ class LimitChecks(Command):
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return replace(state, check_limits=(self.spacings, self.touches)), ()
-
-
-def with_ball_scan(state: State, scan: BallScan) -> State:
-    """The state with one more scan of the balls."""
-    scans = (*state.ball_scans, scan)
-    says = VerifyText.SCAN_SEEN(scan=scan.name, count=len(scans))
-    return replace(state, ball_scans=scans, message=says)
 
 
 def _check_room(count: int) -> None:
