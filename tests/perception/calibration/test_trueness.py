@@ -7,6 +7,7 @@ import pytest
 from workbench.model.calibration import BallArtefact, BallScan
 from workbench.model.errors import InputError
 from workbench.model.scan import Scan
+from workbench.perception.calibration import ball_scan
 from workbench.perception.calibration.ball_scan import sight_balls
 from workbench.perception.calibration.trueness import assess_trueness
 
@@ -72,6 +73,12 @@ def test_balls_that_are_missing_or_elsewhere_are_no_artefact():
     with pytest.raises(InputError, match="0 of 30 mm are found"):
         flat = np.random.default_rng(0).uniform(-0.1, 0.1, (5000, 3)) + (0, 0, 1)
         sight_balls(Scan(flat, pin.SE3.Identity(), "test"), BAR, "scan 1", NONE, 0)
+
+
+def test_a_ball_whose_top_is_covered_is_not_measured(monkeypatch):
+    monkeypatch.setattr(ball_scan, "CAP", 0.9999)
+    with pytest.raises(InputError, match="is covered on the scanner's side"):
+        measured(BAR)
 
 
 def test_nothing_to_compare_or_no_limit_is_refused():

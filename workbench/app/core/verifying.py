@@ -80,7 +80,8 @@ class RecordTouch(Command):
         touch = self._touch(state)
         refuse(touch_problem(state.cell, _scan_named(state, self.scan), touch))
         for other in state.touches:
-            if other.arm == touch.arm and np.abs(other.q - touch.q).max() < SAME:
+            is_alike = other.arm == touch.arm and other.q.shape == touch.q.shape
+            if is_alike and np.abs(other.q - touch.q).max() < SAME:
                 raise CommandRefused(VerifyText.SAME_TOUCH(touch=other.name))
 
     def apply(self, state: State, entry: Entry) -> Decision:

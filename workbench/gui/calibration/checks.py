@@ -143,7 +143,7 @@ class ChecksGroups:
         self._jog.on_click(lambda _: self._jog_to_ball())
         self._kind.on_update(lambda _: self._choose_kind())
         for control in (self._limit, self._touch_limit):
-            visitor.by_hand(control, lambda _: visitor.ask(self._wanted_limits))
+            visitor.by_hand(control, lambda _: self._state_limits())
 
     def show(self, new: View) -> None:
         """Bring scans, touches and verdicts up to date."""
@@ -160,13 +160,21 @@ class ChecksGroups:
         if len(known) == len(self._shown) and all(map(_is, known, self._shown)):
             return
         self._shown = known
+        self._show_limits(state)
+        words = self._visitor.words
+        self._trueness.content = trueness_html(scans, state.check_limits[0], words)
+        self._touches.content = touches_html(state, words)
+
+    def _show_limits(self, state: State) -> None:
         limits = zip((self._limit, self._touch_limit), state.check_limits, strict=True)
         for control, limit in limits:
             if control.value != round(limit * 1000, 5):
                 control.value = round(limit * 1000, 5)
-        words = self._visitor.words
-        self._trueness.content = trueness_html(scans, state.check_limits[0], words)
-        self._touches.content = touches_html(state, words)
+
+    def _state_limits(self) -> None:
+        """State both limits; where that is refused the fields show those that hold."""
+        if not self._visitor.ask(self._wanted_limits):
+            self._show_limits(self._visitor.bench.state)
 
     def _choose_kind(self) -> None:
         is_bar = self._kind.value == BAR
@@ -207,6 +215,8 @@ class ChecksGroups:
         from workbench.app.calibration.simulated_checks import simulated_place, touching_joints
 
         visitor, state = self._visitor, self._visitor.bench.state
+        if not state.ball_scans:
+            raise InputError(SCAN_FIRST)
         cell, scan = state.cell, state.ball_scans[-1]
         arm, count = cell.arm(self._arm.value), sum(t.scan == scan.name for t in state.touches)
         balls = seen_balls(cell, scan)

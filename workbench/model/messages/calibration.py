@@ -110,12 +110,13 @@ class VerifyText(Text, subject="verify"):
         "{scan}: the balls are not all visible: {found} of {ball} mm are found, {count} at the "
         "stated distances are needed"
     )
+    COVERED = "{scan}: a ball is covered on the scanner's side, or too few points show it"
     NO_SCAN = "no scan of the balls yet"
     LIMIT = "a limit is a length above 0 and below 1 m"
     TRUE = "lengths are true: {off:mm2} off at most, limit {limit:mm2}"
     NOT_TRUE = "lengths are not true: {off:mm2} off in {scan}, limit {limit:mm2}"
     SCALED = (
-        "lengths are within the limit ({off:mm2} of {limit:mm2}), but all are too long or too "
+        "lengths are within the limit ({off:mm2} of {limit:mm2}), but on average too long or too "
         "short: the scanner's scale is wrong"
     )
     FEW_SCANS = "{true}; scan the balls in {advised} places or more"

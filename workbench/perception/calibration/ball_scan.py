@@ -7,7 +7,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.messages.calibration import VerifyText
 from workbench.model.scan import Scan
-from workbench.perception.calibration.balls import choose_balls, find_balls
+from workbench.perception.calibration.balls import FEWEST, choose_balls, find_balls
 
 OFF, OFF_SHARE = 0.003, 0.02
 """[m, share of the longest distance] By which distances may be off, so that they are the balls'."""
@@ -36,7 +36,7 @@ def sight_balls(scan: Scan, artefact: BallArtefact, name: str, q: Floats, seed: 
         seed: of a simulated scan.
 
     Raises:
-        InputError: too few balls are seen, or none that are as far from each other.
+        InputError: too few balls are seen, covered ones, or none that are as far from each other.
     """
     found = find_balls(scan.points, artefact.radius)[0]
     count, lengths = len(artefact.centres), artefact.lengths
@@ -47,17 +47,25 @@ def sight_balls(scan: Scan, artefact: BallArtefact, name: str, q: Floats, seed: 
                 scan=name, found=len(found), ball=f"{artefact.radius * 2000:g}", count=count
             )
         )
-    balls = [_fit_ball(scan.points, found[k], artefact.radius) for k in chosen]
+    fits = [_fit_ball(scan.points, found[k], artefact.radius) for k in chosen]
+    balls = [fit for fit in fits if fit is not None]
+    if len(balls) < count:
+        raise InputError(VerifyText.COVERED(scan=name))
     centres, diameters, forms = (np.array(values) for values in zip(*balls, strict=True))
     return BallScan(name, artefact, centres, diameters, forms, q, seed)
 
 
-def _fit_ball(points: Floats, centre: Floats, radius: float) -> tuple[Floats, float, float]:
-    """The centre (3,) of a sphere of the stated radius, and diameter and form [m] of a free one."""
+def _fit_ball(points: Floats, centre: Floats, radius: float) -> tuple[Floats, float, float] | None:
+    """The centre (3,) of a sphere of the stated radius, and diameter and form [m] of a free one.
+
+    None where too few points show it.
+    """
     offsets = points - centre
     lengths = np.linalg.norm(offsets, axis=1)
     facing = -offsets @ centre > CAP * lengths * np.linalg.norm(centre)
     near = points[(np.abs(lengths - radius) < SHELL * radius) & facing]
+    if len(near) < FEWEST:
+        return None
     fixed, _, _ = _fit_sphere(near, centre, radius, is_free=False)
     _, size, left = _fit_sphere(near, centre, radius, is_free=True)
     low, high = np.quantile(left, (0.025, 0.975))

@@ -21,6 +21,9 @@ from workbench.model.messages.message import Message
 SURE = 0.99
 """Confidence level of a scale error."""
 
+LEAST_SCALE = 0.0005
+"""Errors of the scale below this matter to no pick, however sure they are."""
+
 ADVISED = 3
 """Scans in different places."""
 
@@ -74,7 +77,7 @@ def assess_trueness(scans: Sequence[BallScan], limit: float) -> Trueness:
     says = VerifyText.TRUE(off=abs(largest), limit=limit)
     if abs(largest) > limit:
         light, says = "bad", VerifyText.NOT_TRUE(off=abs(largest), limit=limit, scan=names[worst])
-    elif abs(scale) > scale_error:
+    elif abs(scale) > max(scale_error, LEAST_SCALE):
         light, says = "warning", VerifyText.SCALED(off=abs(largest), limit=limit)
     elif len(scans) < ADVISED:
         light, says = "warning", VerifyText.FEW_SCANS(true=says, advised=ADVISED)

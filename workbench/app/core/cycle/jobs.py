@@ -64,10 +64,11 @@ class JobEnded(Command):
 
 def _still_good(state: State, result: Any, entry: Entry) -> Any:
     """A result of the worker; an error instead of a scan during which its arm has moved."""
+    carrier = state.cell.scanner.on_arm
     match result:
         case Scan():
             problem = scan_problem(state.cell, result, standing_joints(state.cell, entry.joints))
-        case BallScan() if (carrier := state.cell.scanner.on_arm) is not None:
+        case BallScan() if carrier is not None and len(result.q) == len(carrier.joints):
             problem = plate_problem(state.cell, carrier.arm, result.q, entry.joints)
         case PlateObservation():
             problem = plate_problem(state.cell, result.arm, result.q, entry.joints)
