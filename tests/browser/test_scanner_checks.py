@@ -3,16 +3,31 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hands import field, pause, unfold
 
 from workbench.app.core.cell.changes import ChangeCell
+from workbench.gui.page.server import serve
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.geometry import pose_from_rpy
 
 COVARIANCE = np.diag([3e-4] * 3 + [3e-4] * 3) ** 2
 
 
-def test_a_scanner_is_checked_by_balls_and_by_touches(screen, bench, wait):
+@pytest.fixture
+def served(bench):
+    page = serve(bench, port=0, most_points=4000)
+    yield page
+    page.close()
+
+
+@pytest.fixture
+def url(served):
+    return served.url
+
+
+def test_a_scanner_is_checked_by_balls_and_by_touches(screen, served, bench, wait):
+    (visitor,) = served._renderer._visitors.values()
     cell = bench.state.cell
     record = CalibrationRecord(1.0, "ada", 8, 3e-4, 3e-4, 3e-4, COVARIANCE)
     mount = replace(cell.scanner, calibration=record)
@@ -36,8 +51,10 @@ def test_a_scanner_is_checked_by_balls_and_by_touches(screen, bench, wait):
 
     unfold(screen, "6 · Touch test")
     for count in range(1, 4):
+        before = visitor.own.now.jog
         screen.press("Show a touch")
-        pause(screen.page, 500)
+        # The first one takes its time: the planner's compiled code is loaded.
+        wait(lambda before=before: visitor.own.now.jog is not before, "the posture")
         screen.press("Record the touch")
         wait(lambda count=count: len(bench.state.touches) == count, f"touch {count}")
         if count == 1:
