@@ -1,9 +1,11 @@
 """How well calibrations say how sure they are: `calibration_figures.py [SEEDS] [FIRST]`, by hand.
 
-With `PYTHONPATH=.:tests:tests/perception`, and OpenCV installed.
+With `PYTHONPATH=.:tests:tests/perception`, and OpenCV installed; kinhec's solvers where it is.
 """
 
 import sys
+from functools import partial
+from importlib.util import find_spec
 
 import numpy as np
 from held_plates import (
@@ -13,7 +15,9 @@ from held_plates import (
     H,
     V,
     X,
+    by_kinhec,
     by_opencv,
+    hand_eye_by_kinhec,
     hand_eye_by_opencv,
     off_at_corners,
     off_truth,
@@ -49,13 +53,26 @@ SCANNERS = {
         {name: lambda poses, name=name: hand_eye_by_opencv(poses, name) for name in HAND_EYE},
     ),
 }
-"""What makes the poses, the scanner's true pose, and OpenCV's methods."""
+"""What makes the poses, the scanner's true pose, and methods of OpenCV and kinhec."""
+
+KINHEC = {
+    "stands": (by_kinhec, ("shah", "li_kronecker", "refined")),
+    "on an arm": (
+        hand_eye_by_kinhec,
+        ("tsai_lenz", "park_martin", "horaud_dornaika", "daniilidis", "andreff", "refined"),
+    ),
+}
+
+if find_spec("kinhec"):
+    for scanner, (solve, methods) in KINHEC.items():
+        for method in methods:
+            SCANNERS[scanner][2][f"kinhec {method}"] = partial(solve, method=method)
 
 
 def main(count: int, first: int) -> None:
     """Print a table of the documentation."""
     print(
-        "| scanner; noise | poses | refused | in the 99% ellipsoid | corners in 95% | RMS, OpenCV |"
+        "| scanner; noise | poses | refused | in the 99% ellipsoid | corners in 95% | RMS, others |"
     )
     print("|---|---|---|---|---|---|")
     for scanner in SCANNERS:

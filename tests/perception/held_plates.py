@@ -1,7 +1,9 @@
 """A plate held before a scanner, or seen by one on an arm, by a robot that is not exact.
 
-And what OpenCV makes of it.
+And what OpenCV and kinhec make of it.
 """
+
+from itertools import combinations
 
 import numpy as np
 import pinocchio as pin
@@ -117,3 +119,34 @@ def hand_eye_by_opencv(poses: list[PlatePose], method: str) -> pin.SE3:
         method=getattr(cv2, f"CALIB_HAND_EYE_{method}"),
     )
     return V * pin.SE3(R, t.ravel())
+
+
+def by_kinhec(poses: list[PlatePose], method: str) -> pin.SE3:
+    """`T_world_scanner` by a solver of kinhec for `A X = Y B`; `refined` is its least squares."""
+    from kinhec import solvers
+
+    flanges = np.array([pose.T_world_flange.homogeneous for pose in poses])
+    plates = np.array([_plate_of(pose).homogeneous for pose in poses])
+    if method == "refined":
+        _, Y = solvers.refine_lm_axyb(flanges, plates, *solvers.shah(flanges, plates))
+    else:
+        _, Y = solvers.AXYB_SOLVERS[method](flanges, plates)
+    return pin.SE3(Y)
+
+
+def hand_eye_by_kinhec(poses: list[PlatePose], method: str) -> pin.SE3:
+    """`T_world_scanner` at the view by a solver of kinhec for `A X = X B`."""
+    from kinhec import se3, solvers
+
+    pairs = list(combinations(range(len(poses)), 2))
+    flanges = np.array([plate_mover(pose.T_world_flange, V).homogeneous for pose in poses])
+    scanners = np.array([_plate_of(pose).inverse().homogeneous for pose in poses])
+    A, B = (se3.relative_motions(Ts, pairs) for Ts in (flanges, scanners))
+    if method == "refined":
+        return V * pin.SE3(solvers.refine_lm(A, B, solvers.park_martin(A, B)))
+    return V * pin.SE3(solvers.AXXB_SOLVERS[method](A, B))
+
+
+def _plate_of(pose: PlatePose) -> pin.SE3:
+    """`T_scanner_plate` by the balls."""
+    return pin.SE3(*fitted_motion(CENTRES, pose.balls))

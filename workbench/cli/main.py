@@ -85,6 +85,8 @@ HOW: Mapping[type, str] = {
     top.Calibrate: "calibrating.calibrate:calibrate",
     scanner.ScannerFit: "calibrating.scanner:fit",
     scanner.ScannerDrift: "calibrating.scanner_drift:drift",
+    scanner.ScannerTrueness: "calibrating.scanner_checks:trueness",
+    scanner.ScannerTouch: "calibrating.scanner_checks:touch",
     top.PlanArguments: "picking.planning:plan",
     top.Explain: "picking.explain:explain",
     top.Prove: "picking.proving:prove",

@@ -2,7 +2,7 @@
 
 from types import ModuleType
 
-from workbench.app.core import control, session
+from workbench.app.core import control, session, verifying
 from workbench.app.core.cell import (
     bins,
     changes,
@@ -32,6 +32,7 @@ from workbench.app.core.cycle import (
 
 SUBJECTS = (
     scanning,
+    verifying,
     parts,
     planning,
     viewing,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from workbench.app.provenance.inventory import Inventory
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import SPACING_LIMIT, BallScan, PlateObservation, Touch
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import LATER
@@ -171,6 +171,8 @@ class SessionState:
     `views_without` the views of a scanner on an arm from which nothing could be taken since
     something was, in the chosen bin.
     `earlier` is a scan from other views, which the next one is merged with.
+    `ball_scans` and `touches` check the calibrated scanner, up to `check_limits` [m] of spacings
+    and touches; 0: as the calibration predicts.
     """
 
     cell: Cell = field(kw_only=False)
@@ -196,6 +198,11 @@ class SessionState:
     empty_bins: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     views_without: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     earlier: Scan | None = field(default_factory=lambda: None, metadata=LATER)
+    ball_scans: tuple[BallScan, ...] = field(default_factory=tuple, metadata=LATER)
+    touches: tuple[Touch, ...] = field(default_factory=tuple, metadata=LATER)
+    check_limits: tuple[float, float] = field(
+        default_factory=lambda: (SPACING_LIMIT, 0.0), metadata=LATER
+    )
 
     @property
     def is_saved(self) -> bool:

@@ -31,6 +31,8 @@ FARTHEST = 20.0
 DETAIL = (0.3, 2.0)
 """Share of the usual detail that a search may have."""
 MOST_OBSERVATIONS = 60
+MOST_CHECKS = 30
+"""Scans of balls, and touches."""
 MOST_ITERATIONS = 100_000
 LARGEST_MARGIN = 0.2
 """[m]"""

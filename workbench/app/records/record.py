@@ -20,7 +20,7 @@ from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import State
 from workbench.app.records.forms import Content, ReadFile, large_arrays, restore_value
 from workbench.formats.files.json_pieces import encode_json
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.cell import Cell, Tool
 from workbench.model.derived.by_recipe import kit_of
 from workbench.model.digest import canonical, digest_of
@@ -36,6 +36,7 @@ Result = (
     | tuple[Detection, ...]
     | PlanResult
     | PlateObservation
+    | BallScan
     | Part
     | Tool
     | Emptying
@@ -56,6 +57,7 @@ RESULTS: Mapping[Any, str] = {
     tuple[Detection, ...]: "detections",
     PlanResult: "plan",
     PlateObservation: "sighting",
+    BallScan: "balls",
     Part: "part",
     Tool: "tool",
     Emptying: "emptying",

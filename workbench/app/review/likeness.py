@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.messages.message import plain
@@ -73,7 +73,7 @@ def resemblance(cell: Cell, kept: object, again: object) -> Resemblance:
             return _scans(kept, again)
         case tuple(), tuple():
             return _parts(cell, kept, again)
-        case PlateObservation(), PlateObservation():
+        case ((PlateObservation() | BallScan()), (PlateObservation() | BallScan())):
             return _observations(kept, again)
         case PlanResult(), PlanResult():
             return _plannings(cell, kept, again)
@@ -162,11 +162,15 @@ def _part_problem(detection: Detection, other: Detection, distance: float, turn:
     return ""
 
 
-def _observations(kept: PlateObservation, again: PlateObservation) -> Resemblance:
+def _observations(
+    kept: PlateObservation | BallScan, again: PlateObservation | BallScan
+) -> Resemblance:
     if digest_of(kept) == digest_of(again):
         return EQUAL
+    if kept.balls.shape != again.balls.shape:
+        return _other("")
     apart = float(np.linalg.norm(kept.balls - again.balls, axis=1).max())
-    same_place = (kept.name, kept.arm, *kept.q) == (again.name, again.arm, *again.q)
+    same_place = (kept.name, *kept.q) == (again.name, *again.q)
     if apart > MOVED or not same_place:
         return _other(f"a ball lies {_millimetres(apart)} elsewhere" if same_place else "")
     return _within(_millimetres(apart))

@@ -20,6 +20,7 @@ from workbench.app.core.effects import Effect, StopSending
 from workbench.app.core.people import MACHINES, ROBOT_LINK, SESSION_START, WORKER, Role
 from workbench.app.core.session import Opened, Started
 from workbench.app.core.state import Phase, State
+from workbench.app.core.verifying import ScanBalls
 from workbench.app.picking.facts import check_installed, with_facts
 from workbench.app.records.record import CommandForm, command_form, entry_record
 from workbench.app.records.replay import replay
@@ -198,7 +199,8 @@ class Bench:
         And where a scan is taken or used whose scanner an arm carries, or that goes to its view.
         """
         if self._state.cell.scanner.on_arm is not None and isinstance(
-            command, TakeScan | UseScan | SightPlate | GoOn | JobEnded | MakePlan | PlanView
+            command,
+            TakeScan | UseScan | SightPlate | ScanBalls | GoOn | JobEnded | MakePlan | PlanView,
         ):
             return True
         if isinstance(command, LinkEnded):

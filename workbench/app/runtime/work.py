@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from workbench.app.calibration.ball_plate import simulated_sight
+from workbench.app.calibration.simulated_checks import simulated_balls
 from workbench.app.core.cycle.arm_scanner import view_problem
 from workbench.app.core.cycle.correcting import CORRECT
 from workbench.app.emptying.film import Filmed
@@ -22,7 +23,7 @@ from workbench.app.viewing.view_plan import plan_view
 from workbench.formats.cells.reading import part_folders
 from workbench.formats.parts.reading import read_part
 from workbench.formats.parts.scales import round_shape
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.cell import Cell, Tool
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.messages.calibration import ScaleText
@@ -30,6 +31,7 @@ from workbench.model.messages.work import CancelText, JobText, ProgressText
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.scan import LocalizationResult, Scan, SearchOverrides, Unexplained
+from workbench.perception.calibration.ball_scan import sight_balls
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.parts.sizing import ROUNDS, learn_sizes, offset_of
 from workbench.perception.scene.merging import merged
@@ -112,6 +114,24 @@ def sight(
         raise JobCancelled(CancelText.PLATE_SCAN())
     report(0.5, ProgressText.BALLS())
     return sight_plate(scan, plate, arguments["name"], arm.name, q)
+
+
+def balls(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> BallScan:
+    """The balls of an artefact in a scan of the cell's scanner, with its arm at `joints`."""
+    carrier, artefact, seed = cell.scanner.on_arm, arguments["artefact"], arguments["seed"]
+    report(0.1, ProgressText.SCANNER_LOOKS())
+    if cell.scanner.source == "simulated":
+        scan = simulated_balls(cell, artefact, seed=seed, joints=arguments["joints"])
+    else:
+        scan = scanner_of(cell).scan(ScanRequest(), report, cancelled)
+    if cancelled():
+        raise JobCancelled(CancelText.PLATE_SCAN())
+    report(0.5, ProgressText.BALLS())
+    joints = () if carrier is None else carrier.joints
+    q = np.array([arguments["joints"][joint] for joint in joints])
+    return sight_balls(scan, artefact, arguments["name"], q, seed)
 
 
 def import_part(
@@ -231,6 +251,7 @@ JOBS: Mapping[str, JobFunction] = {
     "scan": scan,
     "localize": find_parts,
     "sight": sight,
+    "balls": balls,
     "plan": plan,
     "view": view,
     "import": import_part,

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from tyro.conf import Positional, subcommand
 
-from workbench.cli.arguments.names import CellName, Json
+from workbench.cli.arguments.names import CellName, Json, Seed
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,64 @@ class ScannerDrift:
 
 
 @dataclass(frozen=True, slots=True)
-class ScannerCommands:
-    """Look at the first scan of a scanner; see whether it has drifted since its calibration."""
+class ScannerTrueness:
+    """Compare distances of balls in scans with the stated ones: sphere-spacing and scale error.
 
-    what: Annotated[ScannerFit, subcommand("fit")] | Annotated[ScannerDrift, subcommand("drift")]
+    A plate of three balls or a bar of two lies where parts lie, in three places or more. Ends with
+    3 when an error is above the limit.
+    """
+
+    cell: Positional[CellName]
+    scans: tuple[Path, ...]
+    """Point clouds, PLY or PCD, or folders of them, in the unit of the cell's scanner."""
+    lengths: tuple[float, ...] = (80.0, 100.0, 120.0)
+    """Distances of the centres [mm]: one of a bar; three of a plate, 1 to 2, 2 to 3, 3 to 1."""
+    ball: float = 30.0
+    """Diameter of the balls [mm]."""
+    limit: float = 0.3
+    """Largest sphere-spacing error that is good [mm]."""
+    simulate: bool = False
+    """Without hardware: make the folder of --scans, three places in the bin."""
+    seed: Seed = 0
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
+class ScannerTouch:
+    """Compare where scanner and robot have balls that a tool tip touches.
+
+    A person has jogged the robot; nothing moves. Ends with 3 when an offset is above the error that
+    the calibration predicts, or the limit.
+    """
+
+    cell: Positional[CellName]
+    scan: Path
+    """Point cloud of the plate, PLY or PCD, in the unit of the cell's scanner."""
+    joints: Path
+    """Text file: a line for each touch, joints as the pendant shows them."""
+    arm: str = ""
+    """Whose tool touches; the cell's first when not given."""
+    tip: float = 0.0
+    """Inner diameter of a hollow tip, which centres itself on the ball [mm]; 0: a point."""
+    lengths: tuple[float, ...] = (80.0, 100.0, 120.0)
+    """Distances of the centres [mm]: 1 to 2, 2 to 3, 3 to 1."""
+    ball: float = 30.0
+    """Diameter of the balls [mm]."""
+    limit: float = 0.0
+    """Largest offset that is good [mm]; 0: as the calibration predicts."""
+    simulate: bool = False
+    """Without hardware: make both files; the scanner is off as its calibration predicts."""
+    seed: Seed = 0
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
+class ScannerCommands:
+    """Look at the first scan of a scanner; check its drift, its trueness, and it by touches."""
+
+    what: (
+        Annotated[ScannerFit, subcommand("fit")]
+        | Annotated[ScannerDrift, subcommand("drift")]
+        | Annotated[ScannerTrueness, subcommand("trueness")]
+        | Annotated[ScannerTouch, subcommand("touch")]
+    )

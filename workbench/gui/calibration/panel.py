@@ -11,6 +11,7 @@ from workbench.app.core.cell.changes import ChangeCell, SaveCell
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.scanning import SightPlate, UseObservations
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
+from workbench.gui.calibration.checks import ChecksGroups, arm_joints
 from workbench.gui.calibration.drift import DriftGroup
 from workbench.gui.help.groups import group
 from workbench.gui.shared.calibrating import solve
@@ -25,7 +26,7 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line, not_saved
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.calibration import CalibrationText
-from workbench.model.calibration import BallPlate, Calibration, PlateObservation
+from workbench.model.calibration import BallArtefact, BallPlate, Calibration, PlateObservation
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
@@ -107,6 +108,7 @@ class CalibrationPanel:
             self._apply = gui.add_button("Apply", icon=viser.Icon.CHECK)
             self._save = gui.add_button("Save to file", icon=viser.Icon.DEVICE_FLOPPY)
         self._drift = DriftGroup(visitor, self._who)
+        self._checks = ChecksGroups(visitor, self._artefact)
         self._rows = visitor.rows(MOST_ROWS, self._look_at)
         self._react()
 
@@ -114,6 +116,7 @@ class CalibrationPanel:
         """Bring what is shown from `old` to `new`."""
         state, chosen = new.state, new.own.observation
         self._drift.show(new)
+        self._checks.show(new)
         carrier = state.cell.scanner.on_arm
         self._where.content = self._says_where(new)
         if self._after.value != new.own.is_calibrated:
@@ -182,19 +185,14 @@ class CalibrationPanel:
     def _plate(self) -> BallPlate:
         return BallPlate(float(self._ball.value) / 2000, np.array(self._sides.value) / 1000)
 
+    def _artefact(self) -> BallArtefact:
+        plate = self._plate()
+        return BallArtefact(plate.radius, plate.sides)
+
     def _wanted_scan(self) -> Command:
-        state, own = self._visitor.bench.state, self._visitor.own.now
+        state = self._visitor.bench.state
         arm = self._moved_arm(state.cell)
-        joints = self._visitor.bench.live.joints
-        is_real = state.cell.scanner.source != "simulated"
-        if own.jog is not None and not is_real:
-            q = own.jog[arm.name]
-        elif all(joint in joints for joint in arm.joints):
-            q = np.array([joints[joint] for joint in arm.joints])
-        elif is_real:
-            raise InputError("the controller does not report where the robot is")
-        else:
-            q = np.asarray(arm.home)
+        q = arm_joints(self._visitor, arm)
         self._visitor.own.change(observation=None)
         return SightPlate(arm.name, q, self._plate(), seed=state.number)
 

@@ -8,6 +8,7 @@ import viser
 
 SCAN, FIND, PLAN, SEND = "scan", "find-parts", "plan", "send"
 GRASPS, CELL, CALIBRATION = "put-grasps-on-a-part", "change-the-cell", "calibrate-the-scanner"
+TRUENESS = "check-the-calibration"
 BACKUP, ACCEPTANCE, EMPTYING = "backup", "acceptance", "empty-a-full-bin-in-simulation"
 
 HELP: Mapping[str, tuple[str, str]] = {
@@ -206,6 +207,18 @@ HELP: Mapping[str, tuple[str, str]] = {
         "degrees. A pose that is wrong can be left out. Apply changes the cell, Save to file "
         "keeps it.",
         CALIBRATION,
+    ),
+    "5 · Trueness": (
+        "Lay the plate, or a ball bar, where parts lie and scan it in three places or more. The "
+        "distances of the balls are compared with the stated ones: sphere-spacing error. The same "
+        "sign everywhere means that the scanner's scale is wrong.",
+        TRUENESS,
+    ),
+    "6 · Touch test": (
+        "Scan the plate where parts lie and leave it there. Jog the robot until its tool tip sits "
+        "on a ball, then record the joints; three balls or more. Nothing moves by itself. The "
+        "offsets are compared with the error that the calibration predicts.",
+        TRUENESS,
     ),
     "4 · Drift": (
         "The recorded scans of every day are held against each other: bin and fixtures stand "

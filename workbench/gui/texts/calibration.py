@@ -39,6 +39,13 @@ class CalibrationText(Text, subject="page-calibration"):
     OVERLAY_NONE = "none"
     OVERLAY_MIDDLE = "median distance {distance:mm}"
     NO_POSE = "The {arm} arm reaches no pose in which the scanner sees the plate."
+    SPACING = "{off:mm2} (limit {limit:mm2})"
+    SCALE = "{share} % ± {error} % (99% confidence)"
+    SCALE_OPEN = "{share} %; one distance does not show how sure"
+    SIZE = "{size:mm2} in diameter on average"
+    FORM = "{form:mm2} (band of 95% of the points)"
+    SHIFT = "{shift:mm2} (x {x}, y {y}, z {z} mm); up to {bound:mm2} expected"
+    REST = "up to {rest:mm2}; up to {bound:mm2} expected"
     READING = "Reading … {done:%}"
     SESSIONS = (
         "{scans} {scans:scan|scans} of {sessions} {sessions:session|sessions} since the "

@@ -13,6 +13,7 @@ from workbench.model.messages.calibration import (
     PoseText,
     ScaleText,
     ScanText,
+    VerifyText,
 )
 from workbench.model.messages.cells import (
     AssemblyText,
@@ -127,6 +128,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     PlateText,
     PoseText,
     DriftText,
+    VerifyText,
     FirstScanText,
     BinText,
     DifferenceText,

@@ -11,6 +11,7 @@ class TaskText(Text, subject="task"):
     PLAN = "the planning"
     VIEW = "the planning of the path to the view"
     SIGHT = "the scan of the plate"
+    BALLS = "the scan of the balls"
     IMPORT = "the new part"
     TOOL = "the new tool"
     CORRECT = "the correction of the part"

@@ -111,6 +111,28 @@ def _fit(
     return centre, float(np.sqrt(np.mean(left**2))), len(rows)
 
 
+def choose_balls(centres: Floats, lengths: Floats, count: int) -> tuple[float, tuple[int, ...]]:
+    """Those balls whose distances fit best.
+
+    Args:
+        centres: (k, 3) [m] of all balls found.
+        lengths: (1,) or (3,) [m] from each to the next, and from the last to the first.
+        count: how many balls there should be.
+
+    Returns:
+        By how much the worst distance is off [m], and the balls in order; infinite and none where
+        there are too few.
+    """
+    best: tuple[float, tuple[int, ...]] = np.inf, ()
+    for chosen in permutations(range(len(centres)), count):
+        balls = centres[list(chosen)]
+        apart = np.linalg.norm(balls - np.roll(balls, -1, axis=0), axis=1)
+        off = float(np.abs(apart - lengths).max())
+        if off < best[0]:
+            best = off, chosen
+    return best
+
+
 def sight_plate(scan: Scan, plate: BallPlate, name: str, arm: str, q: Floats) -> PlateObservation:
     """The plate in a scan.
 
@@ -125,21 +147,15 @@ def sight_plate(scan: Scan, plate: BallPlate, name: str, arm: str, q: Floats) ->
         InputError: fewer than three balls are seen, or none that are as far from each other.
     """
     centres, spreads = find_balls(scan.points, plate.radius)
-    best: tuple[float, tuple[int, ...]] | None = None
-    for chosen in permutations(range(len(centres)), 3):
-        three = centres[list(chosen)]
-        sides = np.linalg.norm(three - np.roll(three, -1, axis=0), axis=1)
-        off = float(np.abs(sides - plate.sides).max())
-        if best is None or off < best[0]:
-            best = off, chosen
-    if best is None or best[0] > OFF:
-        near = "" if best is None else f"; the nearest three are {best[0] * 1000:.1f} mm off"
+    off, chosen = choose_balls(centres, plate.sides, 3)
+    if off > OFF:
+        near = f"; the nearest three are {off * 1000:.1f} mm off" if chosen else ""
         raise InputError(
             f"{name}: the plate is not seen: {len(centres)} balls of {plate.radius * 2000:g} mm "
             f"are found, three at distances of "
             f"{', '.join(f'{side * 1000:g}' for side in plate.sides)} mm are needed{near}"
         )
-    three = list(best[1])
+    three = list(chosen)
     spread = float(np.sqrt(np.mean(spreads[three] ** 2)))
     points = scan.points[:: -(-len(scan.points) // KEPT)]
     return PlateObservation(name, arm, q, plate, centres[three], spread, points)

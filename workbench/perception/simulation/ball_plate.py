@@ -13,7 +13,7 @@ from workbench.model.calibration import BallPlate
 from workbench.model.cell import Bin, Cell
 from workbench.model.derived.by_bin import surfaces
 from workbench.model.errors import InputError
-from workbench.model.geometry import Cylinder, Solid, Sphere
+from workbench.model.geometry import Cylinder, Floats, Solid, Sphere
 from workbench.model.scan import Scan
 from workbench.perception.views.camera import Pinhole
 from workbench.perception.views.surfaces import add_solids, rays_of
@@ -45,14 +45,23 @@ def standing_pose(box: Bin, plate: BallPlate) -> pin.SE3:
 
 def _plate_solids(plate: BallPlate) -> tuple[Solid, ...]:
     """The balls, rods between them, and one to hold the plate by, in the plate's frame."""
-    centres = plate.centres
+    hold = np.array([-OFFSET, plate.centres.mean(axis=0)[1], 0.0])
+    return ball_solids(plate.centres, plate.radius, ((plate.centres[0], hold),))
+
+
+def ball_solids(
+    centres: Floats, radius: float, more: tuple[tuple[Floats, Floats], ...] = ()
+) -> tuple[Solid, ...]:
+    """Balls of a radius [m] at centres (k, 3) [m], and rods from each to the next and the first.
+
+    `more` are the ends (3,) [m] of further rods.
+    """
     solids = [
-        Solid(f"ball_{k + 1}", Sphere(plate.radius), pin.SE3(np.eye(3), centre))
+        Solid(f"ball_{k + 1}", Sphere(radius), pin.SE3(np.eye(3), centre))
         for k, centre in enumerate(centres)
     ]
-    ends = [(centres[0], centres[1]), (centres[1], centres[2]), (centres[2], centres[0])]
-    ends.append((centres[0], np.array([-OFFSET, centres.mean(axis=0)[1], 0.0])))
-    for k, (start, end) in enumerate(ends):
+    rods = zip(centres, np.roll(centres, -1, axis=0), strict=True)
+    for k, (start, end) in enumerate((*rods, *more)):
         along = end - start
         turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), along).matrix()
         rod = Cylinder(ROD, float(np.linalg.norm(along)))
@@ -84,6 +93,13 @@ def scan_plate(
     """
     scene = cell_scene(cell, Ts_world_link)
     add_solids(scene, _plate_solids(plate), T_world_plate)
+    return scan_scene(cell, scene, seed=seed, T_world_scanner=T_world_scanner)
+
+
+def scan_scene(
+    cell: Cell, scene: o3d.t.geometry.RaycastingScene, *, seed: int, T_world_scanner: pin.SE3
+) -> Scan:
+    """What the scanner of a cell sees of a scene from a pose; see `scan_plate`."""
     mount = cell.scanner
     rays = Pinhole.of_scanner(mount).rays().reshape(-1, 3)
     directions = rays @ T_world_scanner.rotation.T

@@ -12,7 +12,7 @@ from workbench.app.core.cycle.correcting import CORRECT, with_corrected
 from workbench.app.core.cycle.results import gone_on, with_result
 from workbench.app.core.effects import StopJob
 from workbench.app.core.state import Phase, State
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.cell import Tool
 from workbench.model.errors import InputError, WorkbenchError
 from workbench.model.messages.commands import CommandText
@@ -29,8 +29,8 @@ from workbench.model.scan import Detection, Scan
 class JobEnded(Command):
     """The worker finished job `number`.
 
-    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateObservation`, a `Part`, a
-    `Tool`, an `Emptying`, or the error that ended it.
+    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateObservation`, a
+    `BallScan`, a `Part`, a `Tool`, an `Emptying`, or the error that ended it.
     """
 
     right: ClassVar[Right] = Right(CommandText.JOB_ENDED, EVERY, beside_job=True, by_machine=True)
@@ -41,6 +41,7 @@ class JobEnded(Command):
         | tuple[Detection, ...]
         | PlanResult
         | PlateObservation
+        | BallScan
         | Part
         | Tool
         | Emptying
@@ -63,9 +64,12 @@ class JobEnded(Command):
 
 def _still_good(state: State, result: Any, entry: Entry) -> Any:
     """A result of the worker; an error instead of a scan during which its arm has moved."""
+    carrier = state.cell.scanner.on_arm
     match result:
         case Scan():
             problem = scan_problem(state.cell, result, standing_joints(state.cell, entry.joints))
+        case BallScan() if carrier is not None and len(result.q) == len(carrier.joints):
+            problem = plate_problem(state.cell, carrier.arm, result.q, entry.joints)
         case PlateObservation():
             problem = plate_problem(state.cell, result.arm, result.q, entry.joints)
         case _:

@@ -25,8 +25,9 @@ from workbench.app.core.cycle.planning import make_plan, with_plan
 from workbench.app.core.cycle.scanning import TakeScan, take_scan, with_scan
 from workbench.app.core.cycle.viewing import plan_path, with_view_plan
 from workbench.app.core.state import Job, Phase, State
-from workbench.model.calibration import PlateObservation
+from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.errors import JobCancelled, WorkbenchError
+from workbench.model.messages.calibration import VerifyText
 from workbench.model.messages.cells import BinChoiceText
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.states import StateText, task_message
@@ -77,6 +78,10 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             observations = (*state.observations, result)
             message = StateText.PLATE_SEEN(pose=result.name, count=len(observations))
             return replace(state, observations=observations, message=message)
+        case ("balls", BallScan()):
+            scans = (*state.ball_scans, result)
+            message = VerifyText.SCAN_SEEN(scan=result.name, count=len(scans))
+            return replace(state, ball_scans=scans, message=message)
         case ("emptying", Emptying()):
             return replace(state, emptying=result, message=emptying_words(result))
         case ("plan", PlanResult()):

@@ -1,0 +1,96 @@
+"""Whether a scanner measures lengths truly: balls of known distances, in several places.
+
+The terms are those of VDI/VDE 2634 part 2 and ISO 10360-13.  The sphere-spacing error is a measured
+distance of two centres less the stated one.  The probing size error is a fitted diameter less the
+stated one, the probing form error the spread of a ball's points about the fit.  Centres are those
+of spheres of the stated diameter; form is the band of 95 % of the points, as outliers are many.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtrit
+
+from workbench.model.calibration import BallScan, Light
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+from workbench.model.messages.calibration import VerifyText
+from workbench.model.messages.message import Message
+
+SURE = 0.99
+"""Confidence level of a scale error."""
+
+LEAST_SCALE = 0.0005
+"""Errors of the scale below this matter to no pick, however sure they are."""
+
+ADVISED = 3
+"""Scans in different places."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trueness:
+    """What scans of an artefact say of a scanner.
+
+    `spacings` (s,) [m] are the sphere-spacing errors of all scans in order; `largest` that of them
+    with the largest absolute value, in the scan `at`.  `scale` is the error of the scale (0.001:
+    lengths come out 0.1 % too long), `scale_error` its half-width at a confidence of 99 %, infinite
+    where one distance leaves it open.  `size` [m] is the mean probing size error, `form` [m] the
+    largest probing form error.
+    """
+
+    spacings: Floats
+    largest: float
+    at: str
+    scale: float
+    scale_error: float
+    size: float
+    form: float
+    light: Light
+    says: Message
+
+
+def assess_trueness(scans: Sequence[BallScan], limit: float) -> Trueness:
+    """Compare the distances in scans with the stated ones.
+
+    Args:
+        scans: one or more; in different places of the scanner's field.
+        limit: [m] of the sphere-spacing errors.
+
+    Raises:
+        InputError: there is no scan, or the limit is no length above zero.
+    """
+    if not scans:
+        raise InputError(VerifyText.NO_SCAN())
+    if not 0 < limit < 1:
+        raise InputError(VerifyText.LIMIT())
+    stated = np.concatenate([scan.artefact.lengths for scan in scans])
+    measured = np.concatenate([scan.measured for scan in scans])
+    names = [scan.name for scan in scans for _ in scan.artefact.lengths]
+    spacings = measured - stated
+    worst = int(np.argmax(np.abs(spacings)))
+    scale, scale_error = _fit_scale(stated, spacings)
+    sizes = np.concatenate([scan.diameters - 2 * scan.artefact.radius for scan in scans])
+    form = max(float(scan.forms.max()) for scan in scans)
+    largest, size = float(spacings[worst]), float(sizes.mean())
+    light: Light = "good"
+    says = VerifyText.TRUE(off=abs(largest), limit=limit)
+    if abs(largest) > limit:
+        light, says = "bad", VerifyText.NOT_TRUE(off=abs(largest), limit=limit, scan=names[worst])
+    elif abs(scale) > max(scale_error, LEAST_SCALE):
+        light, says = "warning", VerifyText.SCALED(off=abs(largest), limit=limit)
+    elif len(scans) < ADVISED:
+        light, says = "warning", VerifyText.FEW_SCANS(true=says, advised=ADVISED)
+    return Trueness(spacings, largest, names[worst], scale, scale_error, size, form, light, says)
+
+
+def _fit_scale(stated: Floats, spacings: Floats) -> tuple[float, float]:
+    """The error of the scale by least squares, and its half-width; infinite with one distance."""
+    weight = float(stated @ stated)
+    scale = float(stated @ spacings) / weight
+    freedom = len(stated) - 1
+    if freedom < 1:
+        return scale, np.inf
+    left = spacings - scale * stated
+    deviation = np.sqrt(float(left @ left) / freedom / weight)
+    return scale, float(stdtrit(freedom, (1 + SURE) / 2) * deviation)
