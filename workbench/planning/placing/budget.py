@@ -99,9 +99,10 @@ class Budget:
             return error
         if self.place is None:
             assert self.insertion is not None and self.insertion.joint is not None
-            share, base = self.insertion.joint.share, self.insertion.base
-            text = BudgetText.MATES_SELDOM if self.mates_seldom else BudgetText.MATES
-            return text(error=error, chance=self.chance, base=base, share=share)
+            known = {"error": error, "chance": self.chance, "base": self.insertion.base}
+            if self.mates_seldom:
+                return BudgetText.MATES_SELDOM(**known, share=self.insertion.joint.share)
+            return BudgetText.MATES(**known)
         return BudgetText.WITHIN(
             error=error,
             chance=self.chance,

@@ -27,7 +27,7 @@ def calibration_error(mount: ScannerMount, detection: Detection) -> Floats:
 
 
 def moves_by_scanner(mount: ScannerMount, detection: Detection) -> Floats:
-    """How shifts and turns of the scanner move a part: `error -> moves @ error` (6, 6)."""
+    """How shifts and turns of the scanner move a part: `error -> moves @ error` (6, 6) [m, rad]."""
     x, y, z = detection.T_world_part.translation - mount.T_world_scanner.translation
     moves = np.eye(6)
     moves[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
