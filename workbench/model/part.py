@@ -180,11 +180,10 @@ DOWN, PLACE_LIFT = (0.0, 0.0, -1.0), 0.05
 class PartPlace:
     """Where a part has to lie when an arm lets go of it, however the hand holds it.
 
-    `T_world_part` is its pose; one that the part's symmetry makes of it is as good.  `part` is the
-    kind that it is for, empty: any.  The part may be turned by up to `free_rotation` [rad] either
-    way about the z of `T_world_part`.  `tolerance` [m], of its origin, and `turn_tolerance` [rad]
-    are how far off a plan may put it.  `approach` (3,) is the direction in the world of its last
-    linear motion, `length` [m] long.
+    `T_world_part` is its pose; one that the part's symmetry makes of it is as good.  `part` is its
+    kind, empty: any.  The part may be turned by up to `free_rotation` [rad] either way about the z
+    of `T_world_part`.  `tolerance` [m], of its origin, and `turn_tolerance` [rad] are how far off a
+    plan may put it.  `approach` (3,) is the direction of its last linear motion, `length` [m] long.
 
     Places of one `pallet` in layers have its number, from 1 in their arm; 0: of none.  `layer`
     counts from 1, the lowest; it takes parts when every place beneath has one, none when one lies

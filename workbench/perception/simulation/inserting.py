@@ -80,7 +80,7 @@ class Inserting:
         T_base_joint = pin.SE3(R, np.array(joint.mouth))
         spec = world_of_grips()
         spec.option.timestep = STEP
-        spec.option.gravity = [0.0, 0.0, 0.0]
+        spec.option.gravity = np.zeros(3)
         base = spec.worldbody.add_body(name="base")
         hand = spec.worldbody.add_body(name="hand")
         hand.add_joint(name="forward", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=self._along)
@@ -94,34 +94,17 @@ class Inserting:
         _weigh(part, PART_MASS / 100)
         of_base, of_part = (_hole, _peg) if is_peg else (_peg, _hole)
         T_part_joint = self._T_base_part.actInv(T_base_joint)
+        behind = joint.depth - joint.part_length
         solids = [
-            *(
-                (base, solid)
-                for solid in of_base(joint, radius, T_base_joint, 0.0, joint.base_length, 1)
-            ),
-            *(
-                (part, solid)
-                for solid in of_part(
-                    joint, radius, T_part_joint, joint.depth - joint.part_length, joint.depth, -1
-                )
-            ),
+            *((base, it) for it in of_base(joint, radius, T_base_joint, 0.0, joint.base_length, 1)),
+            *((part, it) for it in of_part(joint, radius, T_part_joint, behind, joint.depth, -1)),
         ]
         for body, solid in solids:
             geom = add_solid(spec, body, solid)
             geom.condim, geom.friction = 3, [push.friction, 0.0, 0.0]
             geom.solref, geom.solimp = [2 * STEP, 1.0], [0.99, 0.999, 1e-4, 0.5, 2.0]
             geom.contype = geom.conaffinity = 1
-        spec.add_actuator(
-            name="forward",
-            target="forward",
-            trntype=mujoco.mjtTrn.mjTRN_JOINT,
-            gaintype=mujoco.mjtGain.mjGAIN_FIXED,
-            biastype=mujoco.mjtBias.mjBIAS_AFFINE,
-            gainprm=[SERVO, *[0.0] * 9],
-            biasprm=[0.0, -SERVO, -2 * np.sqrt(SERVO * HAND_MASS), *[0.0] * 7],
-            forcerange=[-push.force, push.force],
-            forcelimited=True,
-        )
+        _drive(spec, push.force)
         self._model = model = spec.compile()
         model.jnt_stiffness[1:] = push.stiffness
         model.dof_damping[1:] = 4 * np.sqrt(push.stiffness * PART_MASS)
@@ -141,6 +124,21 @@ class Inserting:
             mujoco.mj_step(model, data, nstep=every)
             pushed = max(pushed, float(np.linalg.norm(data.qpos[1:])))
         return Inserted(-float(data.qpos[0]), pushed)
+
+
+def _drive(spec: mujoco.MjSpec, force: float) -> None:
+    """Move the joint `forward` to its target, with at most a force [N]."""
+    spec.add_actuator(
+        name="forward",
+        target="forward",
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+        biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+        gainprm=[SERVO, *[0.0] * 9],
+        biasprm=[0.0, -SERVO, -2 * np.sqrt(SERVO * HAND_MASS), *[0.0] * 7],
+        forcerange=[-force, force],
+        forcelimited=True,
+    )
 
 
 def _weigh(body: mujoco.MjsBody, mass: float) -> None:

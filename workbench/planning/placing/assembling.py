@@ -109,7 +109,7 @@ def mating_notes(cell: Cell, plan: Plan, bases: Mapping[str, PlacingError]) -> I
             continue
         T_part_tcp = arm_plan.T_tcp_part.inverse()
         budget = budget_by(cell, found, arm_plan.arm, T_part_tcp, bases)
-        if budget.mates_seldom and not arm_plan.station:
+        if budget.chance is not None and budget.mates_seldom and not arm_plan.station:
             yield PlanNote.MATES_SELDOM(
                 chance=budget.chance,
                 part=found.part,
