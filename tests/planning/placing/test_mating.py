@@ -100,16 +100,16 @@ def test_the_least_push_is_the_nearest_point_at_which_both_ends_are_free(offsets
 def tried(asked: Insertion, T_base: pin.SE3, T_part: pin.SE3, joint: Joint) -> bool:
     """Whether some push at each of many depths leaves the whole joint free."""
     along, mouth = np.array(asked.along), np.array(joint.mouth)
-    angle, far = np.linspace(0, 2 * np.pi, 72, endpoint=False), np.linspace(0, 1, 25)
+    angle, far = np.linspace(0, 2 * np.pi, 48, endpoint=False), np.linspace(0, 1, 17)
     pushes = joint.compliance * np.array(
         [[f * np.cos(a), f * np.sin(a), 0.0] for f in far for a in angle]
     )
-    for depth in np.linspace(0.0, joint.depth, 25):
+    for depth in np.linspace(0.0, joint.depth, 16):
         low, high = max(0.0, depth - joint.part_length), min(depth, joint.base_length)
         # At the mouth the chamfer catches what the hand then pushes.
         most = joint.clearance
         free = np.ones(len(pushes), bool)
-        for at in np.linspace(low, high, 5):
+        for at in np.linspace(low, high, 4):
             on_base = T_base.act(mouth + at * along)
             seated = mouth + (joint.depth - depth + at) * along
             on_part = (
@@ -127,7 +127,7 @@ def tried(asked: Insertion, T_base: pin.SE3, T_part: pin.SE3, joint: Joint) -> b
 
 def test_the_share_is_that_of_parts_tried_one_by_one_with_exact_motions():
     asked, part, base = insertion(), deviating(0.0007, 1.5), deviating(0.0006, 1.0)
-    count = 400
+    count = 250
     mates = [
         tried(
             asked,

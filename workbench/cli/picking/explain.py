@@ -132,7 +132,9 @@ def _sure_form(candidate: Candidate, budget: Budget) -> dict[str, object]:
         "most_from": str(source()),
         "axis": str(axis()),
         "chance": budget.chance,
-        "mates_with": budget.insertion.base if budget.insertion and budget.chance else None,
+        "mates_with": None
+        if budget.insertion is None or budget.chance is None
+        else budget.insertion.base,
     }
 
 
