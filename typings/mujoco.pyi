@@ -20,6 +20,15 @@ class mjtGeom(Enum):
 class mjtJoint(Enum):
     mjJNT_SLIDE = ...
 
+class mjtTrn(Enum):
+    mjTRN_JOINT = ...
+
+class mjtGain(Enum):
+    mjGAIN_FIXED = ...
+
+class mjtBias(Enum):
+    mjBIAS_AFFINE = ...
+
 class mjtEq(Enum):
     mjEQ_JOINT = ...
 
@@ -51,6 +60,8 @@ class MjsGeom:
     conaffinity: int
     condim: int
     friction: ArrayLike
+    solref: ArrayLike
+    solimp: ArrayLike
 
 class MjsBody:
     mass: float
@@ -91,6 +102,19 @@ class MjSpec:
         data: Sequence[float],
         solref: ArrayLike,
     ) -> object: ...
+    def add_actuator(
+        self,
+        *,
+        name: str,
+        target: str,
+        trntype: mjtTrn,
+        gaintype: mjtGain,
+        biastype: mjtBias,
+        gainprm: Sequence[float],
+        biasprm: Sequence[float],
+        forcerange: Sequence[float],
+        forcelimited: bool,
+    ) -> object: ...
     def compile(self) -> MjModel: ...
 
 class _Named:
@@ -108,6 +132,7 @@ class MjModel:
     body_quat: NDArray[np.float64]
     body_ipos: NDArray[np.float64]
     dof_damping: NDArray[np.float64]
+    jnt_stiffness: NDArray[np.float64]
     geom_bodyid: NDArray[np.int32]
     geom_contype: NDArray[np.int32]
     def body(self, name: str, /) -> _Named: ...
@@ -124,6 +149,7 @@ class MjData:
     xipos: NDArray[np.float64]
     qpos: NDArray[np.float64]
     qvel: NDArray[np.float64]
+    ctrl: NDArray[np.float64]
     mocap_pos: NDArray[np.float64]
     mocap_quat: NDArray[np.float64]
     def __init__(self, model: MjModel, /) -> None: ...

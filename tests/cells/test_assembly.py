@@ -2,12 +2,17 @@
 
 import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from assembling import assembly_cell, standing_spacer
 from page_commands import follow
 
+from workbench.cli.authoring.cell_check import _notes
+from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
+from workbench.formats.plans.pose_files import write_poses
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "recipes.md").read_text(encoding="utf-8")
@@ -28,6 +33,30 @@ def test_the_item_on_the_page_is_that_of_the_cell():
     (said,) = tomllib.loads(block)["recipe"]["item"]
     shipped = tomllib.loads(ASSEMBLY.read_text(encoding="utf-8"))["recipe"][0]["item"][1]
     assert {"rpy_deg": [0, 0, 0], **said} == shipped
+
+
+def test_explain_says_how_many_parts_mate_with_a_base_that_stands(tmp_path, capsys):
+    cell = assembly_cell()
+    write_poses(tmp_path / "poses.json", [standing_spacer(cell)])
+    asked = ["explain", str(ASSEMBLY), "--poses", str(tmp_path / "poses.json"), "--recipe", "1"]
+    assert main([*asked, "--stands", "bolt"]) == 0
+    assert "of picks mate with bolt" in capsys.readouterr().out
+    assert main([*asked, "--stands", "spacer"]) == 2
+    assert "--stands spacer: the recipe puts no spacer at a place" in capsys.readouterr().err
+
+
+def test_a_joint_that_takes_less_than_the_calibration_is_off_is_noted():
+    cell = read_cell(ASSEMBLY)
+    assert not [note for note in _notes(cell) if "joint" in note]
+    item = cell.recipes[0].items[1]
+    joint = replace(item.insertion.joint, clearance=0.0005, compliance=0.0)
+    narrow = replace(item, insertion=replace(item.insertion, joint=joint))
+    recipe = replace(cell.recipes[0], items=(cell.recipes[0].items[0], narrow))
+    (note,) = (note for note in _notes(replace(cell, recipes=(recipe,))) if "joint" in note)
+    assert note == (
+        "recipe 1: the joint of spacer and bolt takes 0.5 mm, and the calibration alone is off by "
+        "1.8 mm in the bin (95%, along one axis)"
+    )
 
 
 def test_the_cell_that_assembles_is_that_with_nests_but_for_its_parts():

@@ -109,6 +109,7 @@ HOW: Mapping[type, str] = {
     studies.StudyThreshold: "measuring.studies:study_threshold",
     studies.StudyEmptying: "measuring.emptying:emptying",
     studies.StudyPlacing: "measuring.placing:placing",
+    studies.StudyMating: "measuring.mating:study_mating",
     studies.StudyPallets: "measuring.pallets:pallets",
     studies.StudyGrips: "measuring.grips:grips",
     cell.CellNew: "authoring.new_cell:new_cell",

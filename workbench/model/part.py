@@ -172,24 +172,23 @@ class GraspLibrary:
         return next((e for e in self.entries for g in grasps_of(e) if g.name == authored), None)
 
 
-DOWN = (0.0, 0.0, -1.0)
-PLACE_LIFT = 0.05
-"""[m] The last linear motion to a place."""
+DOWN, PLACE_LIFT = (0.0, 0.0, -1.0), 0.05
+"""The direction of the last linear motion to a place; [m] its length."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartPlace:
     """Where a part has to lie when an arm lets go of it, however the hand holds it.
 
-    `T_world_part` is its pose; one that the part's symmetry makes of it is as good.  `part` is the
-    kind that it is for, empty: any.  The part may be turned by up to `free_rotation` [rad] either
-    way about the z of `T_world_part`.  `tolerance` [m], of its origin, and `turn_tolerance` [rad]
-    are how far from there a plan may put it.  `approach` (3,) is the direction in the world in
-    which it comes there straight at last, over `length` [m].
+    `T_world_part` is its pose; one that the part's symmetry makes of it is as good.  `part` is its
+    kind, empty: any.  The part may be turned by up to `free_rotation` [rad] either way about the z
+    of `T_world_part`.  `tolerance` [m], of its origin, and `turn_tolerance` [rad] are how far off a
+    plan may put it.  `approach` (3,) is the direction of its last linear motion, `length` [m] long.
 
     Places of one `pallet` in layers have its number, from 1 in their arm; 0: of none.  `layer`
-    counts from 1, the lowest; parts of the next one stand on those of it: it takes them when every
-    place beneath has one, none when one lies above.  `name` is for recipes; several may share it.
+    counts from 1, the lowest; it takes parts when every place beneath has one, none when one lies
+    above.  `name` is for recipes; several may share it.  `centred` [m, rad] are deviations of
+    shifts and turns in a nest that centres the part; None where none does.
     """
 
     T_world_part: pin.SE3
@@ -202,6 +201,7 @@ class PartPlace:
     layer: int = field(default_factory=lambda: 1, metadata=LATER)
     name: str = field(default_factory=str, metadata=LATER)
     length: float = field(default_factory=lambda: PLACE_LIFT, metadata=LATER)
+    centred: tuple[float, float] | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_part=copy_pose(self.T_world_part))

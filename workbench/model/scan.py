@@ -12,6 +12,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copy_pose, frozen, put
 from workbench.model.messages.calibration import ObjectionText, ScaleText, ScanText
 from workbench.model.messages.message import FoundPart, Message
+from workbench.model.recipes.joint import PlacingError
 from workbench.model.robot import ScannedView
 
 ALL_KINDS = "all"
@@ -100,7 +101,8 @@ class Detection(FactsRepr):
     for poses from outside.  `T_world_found` is where the scan has it, of a part that a plan before
     has put where it is now; None where it lies as it was found.  `by_colour` True: kind and turn
     are those that the colours show, where shape leaves several; False: they should have reported it
-    and do not, so that it is by shape alone; None: nothing was left to them.
+    and do not, so that it is by shape alone; None: nothing was left to them.  `placing` is how far
+    it may be off, of a part of an assembly that was placed.
     """
 
     part: str
@@ -115,6 +117,7 @@ class Detection(FactsRepr):
     roll_axis: Floats | None = field(default_factory=lambda: None, metadata=LATER)
     T_world_found: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
     by_colour: bool | None = field(default_factory=lambda: None, metadata=LATER)
+    placing: PlacingError | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.covariance is not None and np.shape(self.covariance) != (6, 6):

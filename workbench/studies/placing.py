@@ -126,6 +126,15 @@ def grip_part(case: Case) -> list[Gripped]:
 
     Nothing comes of a part that is not found, that leans on the bin, or that no grasp fits.
     """
+    seen = look_at(case)
+    return [] if seen is None else _grip(case, *seen)
+
+
+def look_at(case: Case) -> tuple[Cell, Part, Detection] | None:
+    """Drop a part and find it: the cell with it, the part, and how it truly lies.
+
+    None of one that is not found.
+    """
     cell = _warm(case.cell, case.part, case.build)
     fallen = pile_of(cell, "", 1, seed=case.seed)
     scan = synthesize(cell, fallen, seed=case.seed, noise=BUILDS[case.build].noise)
@@ -140,9 +149,8 @@ def grip_part(case: Case) -> list[Gripped]:
         )
         if far <= NEAR and turn <= TOO_FAR and found.covariance is not None:
             covariance = found.covariance * case.wider**2
-            lying = replace(found, T_world_part=true, covariance=covariance)
-            return _grip(case, cell, part, lying)
-    return []
+            return cell, part, replace(found, T_world_part=true, covariance=covariance)
+    return None
 
 
 def _grip(case: Case, cell: Cell, part: Part, lying: Detection) -> list[Gripped]:

@@ -4,6 +4,7 @@ import re
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from workbench.formats.cells.reading import read_cell
@@ -12,6 +13,7 @@ from workbench.formats.files.shipped import find
 from workbench.model.derived.assembling import assembled_kinds, insertion_of
 from workbench.model.derived.by_recipe import wanted_parts, with_recipe
 from workbench.model.errors import FileError
+from workbench.model.recipes.joint import Joint
 from workbench.model.recipes.kit import Insertion, Wanted
 
 SPACER = '[[recipe.item]]\npart = "spacer"\non = "bolt"\n'
@@ -37,12 +39,31 @@ def changed(tmp_path):
 def test_a_recipe_says_how_a_part_comes_onto_another_one(changed, tmp_path):
     cell = read_cell(changed())
     down = (0.0, 0.0, -1.0)
-    said = Insertion("bolt", (0.0, 0.0, -0.014), (0.0, 0.0, 0.0), down, 0.065, 0.0005)
+    joint = Joint((0.0, 0.0, 0.035), 0.059, 0.02, 0.059, 0.001, 0.002, 0.001)
+    said = Insertion("bolt", (0.0, 0.0, -0.014), (0.0, 0.0, 0.0), down, 0.065, 0.0005, joint)
     chosen = with_recipe(cell, 1)
     assert (insertion_of(chosen, "spacer"), insertion_of(chosen, "bolt")) == (said, None)
     assert assembled_kinds(chosen) == {"bolt", "spacer"} and assembled_kinds(cell) == set()
     assert wanted_parts(chosen) == Wanted({"bolt": 1, "spacer": 1}, in_order=True)
     assert read_cell(write_cell(tmp_path / "written", cell, {})).recipes == cell.recipes
+
+
+def test_a_recipe_need_not_say_what_a_joint_tolerates(changed):
+    path = changed()
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text[: text.index("[recipe.item.joint]")], encoding="utf-8")
+    found = insertion_of(with_recipe(read_cell(path), 1), "spacer")
+    assert found is not None and found.joint is None
+
+
+def test_a_place_says_what_its_nest_leaves(changed, tmp_path):
+    cell = read_cell(
+        changed("tolerance_deg = 3", "tolerance_deg = 3\ncentred_mm = 0.2\ncentred_deg = 0.5")
+    )
+    right, left = (arm.part_places[0].centred for arm in cell.arms)
+    assert right == pytest.approx((0.0002, np.deg2rad(0.5))) and left is None
+    again = read_cell(write_cell(tmp_path / "written", cell, {}))
+    assert again.arms[0].part_places[0].centred == pytest.approx(right)
 
 
 def test_a_direction_of_any_length_will_do_and_down_is_meant_where_there_is_none(changed):
@@ -76,6 +97,28 @@ def test_a_direction_of_any_length_will_do_and_down_is_meant_where_there_is_none
         ('on = "bolt"\n', "", "", "position_mm"),
         ('acceleration_deg = 600', "acceleration_deg = 600\npasses_parts_on = true", "",
          "the right arm passes parts on"),
+        ("radial_clearance_mm = 1", "radial_clearance_mm = 0", "",
+         "radial_clearance_mm.*0 .*0.001 .*20"),
+        ("radial_clearance_mm = 1", "radial_clearance_mm = -1", "", "radial_clearance_mm.*-1 "),
+        ("radial_clearance_mm = 1\n", "", "", "radial_clearance_mm.*missing"),
+        ("mouth_mm = [0, 0, 35]\n", "", "", "mouth_mm.*missing"),
+        ("mouth_mm = [0, 0, 35]", "mouth_mm = [0, 0, 95]", "",
+         "mouth_mm lies 60.0 mm outside of bolt"),
+        ("chamfer_mm = 2", "chamfer_mm = 20", "",
+         "chamfer_mm 20.0 mm is not smaller than spacer, which reaches 17.3 mm sideways"),
+        ("chamfer_mm = 2", "chamfer_mm = -2", "", "chamfer_mm"),
+        ("compliance_mm = 1", "compliance_mm = -1", "", "compliance_mm"),
+        ("compliance_mm = 1", "compliance_mm = 1\nshare = 0", "", "share.*0 .*0.01 .*0.999"),
+        ("compliance_mm = 1", "compliance_mm = 1\nshare = 1.1", "", "share.*1.1"),
+        ("compliance_mm = 1", "compliance_mm = 1\nfloat_mm = 1", "", "float_mm"),
+        ("depth_mm = 59", "depth_mm = 66", "", "depth_mm.*66 is more than insert_mm, 65"),
+        ("part_length_mm = 20", "part_length_mm = 20\nbase_length_mm = 20", "",
+         "depth_mm.*59 brings the part past its base"),
+        ('part = "bolt"\n\n', 'part = "bolt"\n\n[recipe.item.joint]\nmouth_mm = [0, 0, 0]\n', "",
+         "joint.*`on` is expected"),
+        ("tolerance_deg = 3", "tolerance_deg = 3\ncentred_mm = 0.2", "", "centred_deg.*missing"),
+        ("tolerance_deg = 3", "tolerance_deg = 3\ncentred_mm = -1\ncentred_deg = 1", "",
+         "centred_mm.*-1 "),
     ],
 )  # fmt: skip
 def test_what_cannot_be_assembled_is_refused_in_one_sentence(changed, was, becomes, add, says):

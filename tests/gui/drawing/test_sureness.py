@@ -30,7 +30,7 @@ def test_a_candidate_whose_part_is_gone_says_nothing(states):
 def test_one_of_which_nothing_can_be_said_leaves_the_page_as_it_is(states, monkeypatch):
     tried = []
 
-    def fails(cell, detection, candidate):
+    def fails(cell, detection, candidate, bases):
         tried.append(candidate)
         raise ValueError
 

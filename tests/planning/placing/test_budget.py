@@ -15,7 +15,8 @@ from workbench.model.messages.grasps import BudgetText
 from workbench.model.part import Grasp, PartPlace
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry
-from workbench.planning.placing.budget import GRIP, LOCALIZATION, budget_of
+from workbench.planning.placing.budget import GRIP, LOCALIZATION, budget_by, budget_of
+from workbench.planning.placing.sources import scanner_error
 
 EXACT = CalibrationRecord(0.0, "Ada", 8, 0.0, position_error=0.0, angle_error=0.0)
 OK = Verdict(Reason.OK, Stage.PROPOSE)
@@ -44,6 +45,20 @@ def test_the_shares_add_up_to_the_whole():
     assert np.allclose(sum(told.shares.values()), told.covariance)
     assert np.allclose(told.covariance, told.covariance.T)
     assert np.linalg.eigvalsh(told.covariance).min() > -1e-15
+
+
+def test_what_comes_onto_the_part_gets_all_of_it_along_the_part_s_axes():
+    part, T = brick(0.02)
+    cell = cell_with(part)
+    detection = Detection(part.name, T, covariance=np.diag([1e-6] * 3 + [1e-4] * 3))
+    off = CalibrationRecord(0.0, "Ada", 8, 0.0, position_error=1e-3, angle_error=1e-3)
+    cell = replace(cell, scanner=replace(cell.scanner, calibration=off))
+    told = budget_by(cell, detection, cell.arms[0].name, T.actInv(tcp_over(T, 0.0)))
+    by_scanner = told.error.by_scanner
+    whole = by_scanner @ scanner_error(cell.scanner) @ by_scanner.T + told.error.covariance
+    turn = np.kron(np.eye(2), told.R_part_hand)
+    assert np.allclose(whole, turn @ told.covariance @ turn.T, atol=1e-15)
+    assert np.linalg.norm(by_scanner) > 0.1
 
 
 def test_an_error_along_the_travel_of_the_fingers_is_gone_and_one_along_the_pads_stays():

@@ -24,6 +24,7 @@ from workbench.model.plan import ArmPlan, Plan, Proof, Proven
 from workbench.model.scan import Detection, Scan
 from workbench.perception.bins.bin_check import check_bin
 from workbench.planning.kinematics.robot import Kinematics
+from workbench.planning.placing.assembling import placing_error
 from workbench.plugins.planner import planner_named
 from workbench.proof.claims.places.standing import standing_after
 from workbench.proof.claims.spot import Spot, spot_of
@@ -125,5 +126,7 @@ def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
                 )
             # A roll that the scan did not show is not known on the pallet, either.
             kept = Detection(found.part, T, roll_known=found.roll_known, roll_axis=found.roll_axis)
+            if found.part in assembled and not arm_plan.station:
+                kept = replace(kept, placing=placing_error(cell, found, arm_plan, T))
             placed.append(replace(kept, T_world_found=found.T_world_found or found.T_world_part))
     return tuple(placed)

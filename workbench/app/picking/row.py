@@ -5,6 +5,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
+from workbench.app.picking.facts import put_down
 from workbench.app.picking.pipeline import NOTHING, best_of, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.app.picking.regrasp import plan_regrasp
@@ -17,10 +18,13 @@ from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.messages.work import ProgressText
 from workbench.model.plan import Plan, PlanResult, Proven
+from workbench.model.recipes.joint import PlacingError
 from workbench.model.recipes.kit import Wanted
 from workbench.model.scan import Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH
+from workbench.planning.placing.assembling import base_errors, mating_notes
+from workbench.planning.placing.budget import NO_BASES
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, rising, silent, within
 from workbench.proof.claims.prove import may_have_moved, scene_after
@@ -63,7 +67,7 @@ def plan_row(  # noqa: PLR0913 - all that a request for a plan can say, by keywo
         wanted: how many parts of each kind may be taken by the whole row; None: any.
         strategy: as `plan_pick`.
         report: progress.
-        asked: else as `plan_pick`.
+        asked: else as `plan_pick`; and `bases`, see `mating_notes`.
 
     Raises:
         InputError: as `plan_pick`, or the cell does not say which parts may move.
@@ -162,13 +166,16 @@ def _row(
     picks: int,
     avoided: Mapping[int, Message],
     report: Report,
+    *,
     wanted: Wanted | None = None,
+    bases: Mapping[str, PlacingError] = NO_BASES,
     **asked: Any,
 ) -> PlanResult:
     """A plan and those after it, all by one strategy."""
     left = dict(avoided)
     report_plan = within(report, 0.0, 1.0 / picks)
     first = _next(cell, scene, left, report_plan, is_last=picks == 1, wanted=wanted, **asked)
+    first = _with_mating(cell, first, bases)
     if not _holds(first) or first.plan is None or picks == 1:
         return first
     row, done = list(first.row), 1
@@ -180,6 +187,7 @@ def _row(
             if moved is not None:
                 ends = ends or renumber(moved.problem, first.plan, plan.detections)
             left, wanted = _carry_over(plan, left), _still_wanted(plan, wanted)
+            bases = {**bases, **base_errors(put_down(cell, plan))}
             scene = scene_after(cell, plan)
         if wanted is not None and not wanted.counts:
             ends = RowEnd.KIT_COMPLETE()
@@ -191,6 +199,7 @@ def _row(
         result = _next(
             cell, scene, left, report_plan, is_last=done == picks, wanted=wanted, **asked
         )
+        result = _with_mating(cell, result, bases)
         if result.plan is None or result.proof is None:
             why = RowEnd.NO_PLAN(verdict=result.verdict.message)
             ends = renumber(why, first.plan, scene.detections)
@@ -204,6 +213,17 @@ def _row(
             row += [Proven(result.plan, result.proof), *result.row]
     seconds = {**first.seconds, "row": working_time() - began}
     return replace(first, row=tuple(row), row_ends=ends, seconds=seconds)
+
+
+def _with_mating(cell: Cell, result: PlanResult, bases: Mapping[str, PlacingError]) -> PlanResult:
+    """A result whose plans warn of parts that will mate too seldom with what stands there."""
+
+    def warn(plan: Plan) -> Plan:
+        notes = tuple(mating_notes(cell, plan, bases))
+        return replace(plan, notes=(*plan.notes, *notes)) if notes else plan
+
+    row = tuple(replace(proven, plan=warn(proven.plan)) for proven in result.row)
+    return replace(result, plan=None if result.plan is None else warn(result.plan), row=row)
 
 
 def _next(

@@ -38,6 +38,7 @@ from workbench.perception.scene.merging import merged
 from workbench.perception.scene.own_robot import without_robot
 from workbench.perception.scene.unexplained import look_around, unexplained
 from workbench.planning.collision.world import World
+from workbench.planning.placing.assembling import base_errors
 from workbench.plugins.localizer import find_parts as localized
 from workbench.plugins.progress import Cancelled, Report
 from workbench.plugins.scanner import ScanRequest, scanner_of
@@ -198,6 +199,7 @@ def plan(
         overrides=arguments["overrides"],
         obstacles=(*around.seen, *boxes_around(cell, arguments["placed"])),
         unseen=around.unseen,
+        bases=base_errors(arguments["placed"]),
         avoided=dict(arguments["avoided"]),
         wanted=arguments["wanted"],
         seed=arguments["seed"],

@@ -194,6 +194,32 @@ class StudyPlacing:
 
 
 @dataclass(frozen=True, slots=True)
+class StudyMating:
+    """Whether parts mate as often as their error budgets say: MuJoCo inserts them.
+
+    Errors are drawn from the budgets of parts that fall, are found in a simulated scan and fit a
+    grasp: those of the part in the hand and of its base.
+    """
+
+    cell: Positional[CellName] = "yumi"
+    insertions: int = 500
+    """Of each joint."""
+    joints: tuple[str, ...] = ("peg in ring", "bolt in bracket hole", "cap on cylinder")
+    wider: float = 1.0
+    """All errors are this many times as large."""
+    rigid: bool = False
+    """The hand does not give way sideways."""
+    force: float = 50.0
+    """With which the hand inserts at most [N]."""
+    friction: float = 0.2
+    """Between the parts."""
+    stiffness: float = 3.0
+    """Of the hand that gives way [N/mm]."""
+    seed: FirstSeed = 0
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class StudyPallets:
     """Fill pallets in layers, a part from each of many piles, and see whether the stacks stand.
 
@@ -339,6 +365,7 @@ class Study:
         | Annotated[StudyModels, subcommand("models")]
         | Annotated[StudyEmptying, subcommand("emptying")]
         | Annotated[StudyPlacing, subcommand("placing")]
+        | Annotated[StudyMating, subcommand("mating")]
         | Annotated[StudyPallets, subcommand("pallets")]
         | Annotated[StudyGrips, subcommand("grips")]
         | Annotated[StudyBop, subcommand("bop")]

@@ -207,6 +207,10 @@ class Explain:
     """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
     scan: Maybe[Path] = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is in the way."""
+    recipe: RecipeNumber = 0
+    stands: tuple[str, ...] = ()
+    """Kinds of the recipe's assembly that stand at their places already, exactly unless a nest
+    states its error."""
     seed: Seed = 0
     part: PartOfPoses = None
     json: bool = False

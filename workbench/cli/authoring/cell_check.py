@@ -15,6 +15,9 @@ from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Arm, Cell
 from workbench.model.load import Load, tool_load
+from workbench.model.scan import Detection
+from workbench.planning.placing.chance import SURE
+from workbench.planning.placing.sources import calibration_error
 from workbench.studies.layout.flange_picture import draw_flanges
 from workbench.studies.layout.flanges import lean_of
 from workbench.studies.reach import PlacedPart, Reach, reach_of
@@ -25,6 +28,9 @@ SLOW = np.deg2rad(1.0)
 
 NO_SPEED = 100.0
 """[rad/s] A joint that turns faster has probably no limit."""
+
+SURELY = 1.96
+"""Deviations within which a normal error is in `SURE` of all cases."""
 
 SKEW = np.deg2rad(5.0)
 """[rad] A flange whose z is further off the last axis than this holds no tool as one expects."""
@@ -115,8 +121,26 @@ def _notes(cell: Cell) -> Iterator[str]:
             f"vision only: the robot link {cell.controller.link} sends poses, and nothing of the "
             "robot's motion is proven; the robot's program has to keep clear of everything"
         )
+    yield from _narrow_joints(cell)
     if not cell.controller.motion.takes_loads:
         yield f"the robot link {cell.controller.link} sends no load; set it on the controller"
+
+
+def _narrow_joints(cell: Cell) -> Iterator[str]:
+    """Joints of assemblies that take less than the calibration is off."""
+    for recipe in cell.recipes:
+        for item in recipe.items:
+            if item.insertion is None or item.insertion.joint is None:
+                continue
+            lies = Detection(item.part, cell.bin.T_world_bin)
+            off = calibration_error(cell.scanner, lies)[:3, :3]
+            far = SURELY * float(np.sqrt(np.linalg.eigvalsh(off)[-1]))
+            if far > item.insertion.joint.takes:
+                yield (
+                    f"recipe {recipe.number}: the joint of {item.part} and {item.insertion.base} "
+                    f"takes {item.insertion.joint.takes * 1000:.2g} mm, and the calibration alone "
+                    f"is off by {far * 1000:.2g} mm in the bin ({SURE:.0%}, along one axis)"
+                )
 
 
 def _load_form(arm: Arm, load: Load | None) -> dict[str, object]:

@@ -8,6 +8,7 @@ import numpy as np
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.picking.exactness import with_exactness
 from workbench.app.picking.judging import judge
+from workbench.app.picking.pallets import boxes_around
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -16,9 +17,14 @@ from workbench.cli.picking.results import candidate_form, print_candidates
 from workbench.cli.terminal import check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Candidate, Stage
+from workbench.model.cell import Cell
+from workbench.model.derived.assembling import assembled_kinds, insertion_of
+from workbench.model.derived.by_recipe import with_recipe
 from workbench.model.errors import InputError
+from workbench.model.scan import Detection
 from workbench.planning.picking.nearest_fix import Fix, fix_words, nearest_fix
 from workbench.planning.picking.whole_bin import Blocker, blockers, common_fixes
+from workbench.planning.placing.assembling import base_errors, nest_error
 from workbench.planning.placing.budget import Budget, budget_of
 from workbench.planning.placing.chance import SURE
 
@@ -29,13 +35,15 @@ JUDGED = (Stage.PROPOSE, Stage.GRASP, Stage.APPROACH, Stage.EXTRACT, Stage.PLACE
 def explain(typed: arguments.Explain) -> int:
     """Print the verdicts; the exit code is 0 only when something can be taken."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
-    cell = read_cell(typed.cell)
+    cell = with_recipe(read_cell(typed.cell), typed.recipe)
+    placed = _standing(cell, typed.stands)
     detections = detections_from(cell, typed.poses, typed.part)
     if not detections:
         raise InputError(f"{typed.poses}: holds no poses, so there is nothing to explain")
     with progress("explain") as report:
         make_ready(report, ("planning",))
-        obstacles = around_in(cell, typed.scan, detections).seen
+        around = around_in(cell, typed.scan, detections).seen
+        obstacles = (*around, *boxes_around(cell, placed))
         candidates = judge(cell, detections, obstacles=obstacles, seed=typed.seed, report=report)
         report(0.9, "looking for the nearest fix")
         fix = nearest_fix(cell, detections, candidates, seed=typed.seed, obstacles=obstacles)
@@ -49,7 +57,10 @@ def explain(typed: arguments.Explain) -> int:
         )
     candidates = with_exactness(cell, detections, candidates)
     sure = [
-        (candidate, budget_of(cell, detections[candidate.detection], candidate))
+        (
+            candidate,
+            budget_of(cell, detections[candidate.detection], candidate, base_errors(placed)),
+        )
         for candidate in candidates
         if candidate.verdict.is_ok
     ][:MOST_SURE]
@@ -97,6 +108,18 @@ MOST_SURE = 3
 """The best candidates, which state their placing error."""
 
 
+def _standing(cell: Cell, kinds: Sequence[str]) -> tuple[Detection, ...]:
+    """Parts of an assembly as they stand at the first place for each."""
+    found: list[Detection] = []
+    for kind in kinds:
+        places = [place for arm in cell.arms for place in arm.places_for(kind)]
+        if kind not in assembled_kinds(cell) or insertion_of(cell, kind) or not places:
+            raise InputError(f"--stands {kind}: the recipe puts no {kind} at a place for others")
+        place = places[0]
+        found.append(Detection(kind, place.T_world_part, placing=nest_error(place)))
+    return tuple(found)
+
+
 def _sure_form(candidate: Candidate, budget: Budget) -> dict[str, object]:
     source, axis = budget.largest
     return {
@@ -109,6 +132,9 @@ def _sure_form(candidate: Candidate, budget: Budget) -> dict[str, object]:
         "most_from": str(source()),
         "axis": str(axis()),
         "chance": budget.chance,
+        "mates_with": None
+        if budget.insertion is None or budget.chance is None
+        else budget.insertion.base,
     }
 
 

@@ -24,7 +24,10 @@ OF_TOOL = ("position_mm", "rpy_deg")
 
 OF_PART = ("part_position_mm", "part_rpy_deg")
 
-ABOUT_PART = ("part", "free_rotation_deg", "tolerance_mm", "tolerance_deg", "approach")
+ABOUT_PART = (
+    *("part", "free_rotation_deg", "tolerance_mm", "tolerance_deg", "approach"),
+    *("centred_mm", "centred_deg"),
+)
 """What can be said only where the pose is that of the part."""
 
 LEVEL, SAME_HEIGHT = np.deg2rad(0.5), 0.05
@@ -58,6 +61,7 @@ def read_places(
         far = place.number("tolerance_mm", 2, low=FINEST_MM, high=50) / 1000
         turn = place.number("tolerance_deg", 3, low=FINEST_DEG, high=45)
         approach, name = read_direction(place, "approach", DOWN), place.text("name", "", empty=True)
+        centred = _centred(place)
         shifts, layers, height = _grid(place)
         if layers > 1:
             _check_layers(place, is_of_part, T_part)
@@ -65,7 +69,9 @@ def read_places(
         place.finish()
         if is_of_part:
             part_place = PartPlace(
-                T_part, kind, np.deg2rad(free), far, np.deg2rad(turn), approach, name=name
+                *(T_part, kind, np.deg2rad(free), far, np.deg2rad(turn), approach),
+                name=name,
+                centred=centred,
             )
             for layer, T in product(range(layers), shifts):
                 up = np.array([0.0, 0.0, layer * height])
@@ -78,6 +84,18 @@ def read_places(
             of_tool += [T_tool * T for T in shifts]
             names += [name] * len(shifts)
     return tuple(of_tool), tuple(of_part), tuple(names) if any(names) else ()
+
+
+def _centred(place: Table) -> tuple[float, float] | None:
+    """What a nest leaves of the error of a part [m, rad]; None where nothing centres it."""
+    keys = ("centred_mm", "centred_deg")
+    if not any(map(place.has, keys)):
+        return None
+    for key in keys:
+        if not place.has(key):
+            raise place.error(key, "is missing; a place that centres parts needs both")
+    shift, turn = (place.number(key, 0.1, low=0, high=10) for key in keys)
+    return shift / 1000, float(np.deg2rad(turn))
 
 
 def check_kinds(table: Table, places: tuple[PartPlace, ...], known: list[str]) -> None:

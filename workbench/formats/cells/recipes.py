@@ -10,6 +10,7 @@ from workbench.formats.files.toml_keys import Table
 from workbench.model.cell import Cell
 from workbench.model.derived.by_recipe import recipe_problem
 from workbench.model.part import DOWN
+from workbench.model.recipes.joint import Joint
 from workbench.model.recipes.kit import MOST_ITEMS, MOST_OF_ITEM, Insertion, KitItem
 from workbench.model.recipes.recipe import HIGHEST, MOST_RECIPES, Recipe
 
@@ -17,7 +18,7 @@ LEAST_CLEARANCE_MM = 0.05
 """What is proven of two parts is exact to this."""
 
 OF_INSERTION = ("position_mm", "insert_mm", "clearance_mm")
-ABOUT_INSERTION = ("rpy_deg", "insert_along")
+ABOUT_INSERTION = ("rpy_deg", "insert_along", "joint")
 """Keys that an item with `on` needs, and others that it can have."""
 
 FAR_MM = 2000.0
@@ -87,14 +88,46 @@ def _insertion(item: Table) -> Insertion | None:
         return None
     x, y, z = (item.numbers("position_mm", 3, [0, 0, 0], low=-FAR_MM, high=FAR_MM) / 1000).tolist()
     a, b, c = np.deg2rad(item.numbers("rpy_deg", 3, [0, 0, 0], low=-360, high=360)).tolist()
+    length = item.number("insert_mm", 50, low=1, high=500) / 1000
     return Insertion(
         base,
         (x, y, z),
         (a, b, c),
         read_direction(item, "insert_along", DOWN),
-        item.number("insert_mm", 50, low=1, high=500) / 1000,
+        length,
         item.number("clearance_mm", 0.5, low=LEAST_CLEARANCE_MM, high=100) / 1000,
+        _joint(item.table("joint"), length) if item.has("joint") else None,
     )
+
+
+def _joint(table: Table, length: float) -> Joint:
+    """What a joint tolerates; the insertion goes over the length [m]."""
+    x, y, z = (table.numbers("mouth_mm", 3, low=-FAR_MM, high=FAR_MM) / 1000).tolist()
+    depth = table.number("depth_mm", low=0.1, high=500)
+    if depth > length * 1000:
+        raise table.error(
+            "depth_mm",
+            f"{depth:g} is more than insert_mm, {length * 1000:g}; the insertion begins before the "
+            "parts meet",
+        )
+    part, base = (
+        min(table.number(key, depth, low=0.1, high=500), depth)
+        for key in ("part_length_mm", "base_length_mm")
+    )
+    if part + base < depth:
+        raise table.error("depth_mm", f"{depth:g} brings the part past its base")
+    joint = Joint(
+        (x, y, z),
+        depth / 1000,
+        part / 1000,
+        base / 1000,
+        table.number("radial_clearance_mm", low=0.001, high=20) / 1000,
+        table.number("chamfer_mm", 0, low=0, high=50) / 1000,
+        table.number("compliance_mm", 0, low=0, high=20) / 1000,
+        table.number("share", 0.95, low=0.01, high=0.999),
+    )
+    table.finish()
+    return joint
 
 
 def check_recipes(table: Table, cell: Cell) -> None:
@@ -138,6 +171,19 @@ def _insertion_lines(insertion: Insertion) -> Iterator[str]:
     yield f"insert_along = {numbers(insertion.along)}"
     yield f"insert_mm = {number(insertion.length * 1000)}"
     yield f"clearance_mm = {number(insertion.clearance * 1000)}"
+    if (joint := insertion.joint) is not None:
+        yield from (
+            "",
+            "[recipe.item.joint]",
+            f"mouth_mm = {numbers(np.array(joint.mouth) * 1000)}",
+        )
+        yield f"depth_mm = {number(joint.depth * 1000)}"
+        yield f"part_length_mm = {number(joint.part_length * 1000)}"
+        yield f"base_length_mm = {number(joint.base_length * 1000)}"
+        yield f"radial_clearance_mm = {number(joint.clearance * 1000)}"
+        yield f"chamfer_mm = {number(joint.chamfer * 1000)}"
+        yield f"compliance_mm = {number(joint.compliance * 1000)}"
+        yield f"share = {number(joint.share)}"
 
 
 def _names(table: Table, key: str) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from typing import Any
 
 from workbench.formats.cells.calibrations import read_record
 from workbench.formats.cells.devices import read_localizer
-from workbench.formats.cells.places import read_bin, read_stations
+from workbench.formats.cells.places import read_bin, read_places, read_stations
 from workbench.formats.cells.reading import read_cell, read_poses_folder
 from workbench.formats.cells.recipes import OF_INSERTION, read_recipes
 from workbench.formats.cells.tools import LOAD_KEYS
@@ -27,7 +27,7 @@ from workbench.plugins.found import Group, load, names
 from workbench.plugins.options import schema_of
 
 NOT_ALWAYS = frozenset(
-    ("urdf", "srdf", "dh", "controller", "policy", "covariance", "symmetry", "pattern")
+    ("urdf", "srdf", "dh", "controller", "policy", "covariance", "symmetry", "pattern", "joint")
     + ("range_deg", "speed_deg", "range_mm", "speed_mm")
 )
 """Keys that only some kinds of a table have, or that are read only when they are given."""
@@ -58,6 +58,8 @@ A_RECORD = {
     "covariance": [0.0] * 21,
 }
 
+A_PLACE = {"part": "cap", "part_position_mm": [0, 0, 0], "centred_mm": 0.1, "centred_deg": 0.1}
+
 A_STATION = {"name": "table", "size_mm": [100, 100]}
 
 A_RECIPE = {
@@ -73,6 +75,7 @@ A_RECIPE = {
             "position_mm": [0, 0, 0],
             "insert_mm": 50,
             "clearance_mm": 0.5,
+            "joint": {"mouth_mm": [0, 0, 0], "depth_mm": 9, "radial_clearance_mm": 1},
         },
     ],
 }
@@ -126,6 +129,8 @@ DEPENDS = frozenset(
     + ("recipe[].parts", "recipe[].grasps", "recipe[].places", "recipe[].strategy")
     + ("recipe[].threshold_mm", "recipe[].speed")
     + tuple(f"recipe[].item[].{key}" for key in ("on", *OF_INSERTION))
+    + tuple(f"recipe[].item[].joint.{key}_length_mm" for key in ("part", "base"))
+    + ("arm[].place[].centred_mm", "arm[].place[].centred_deg")
     + ("policy.tcp_speed_mm", "policy.point_speed_mm", "policy.held_speed_mm")
 )
 """Keys without which something else counts than a value: their meaning says what."""
@@ -143,6 +148,7 @@ def cell_schema() -> dict[str, Any]:
         read_dh(Table(file, A_TABLE, "robot.dh."), "robot")
         read_record(Table(file, A_RECORD, "scanner.calibration."))
         read_poses_folder(Table(file, {"path": "poses"}, "detections."))
+        read_places(Table(file, {"place": [A_PLACE]}, "arm[]."))
         read_stations(Table(file, {"station": [A_STATION]}), ())
         read_recipes(Table(file, {"recipe": [A_RECIPE]}))
         read_localizer(Table(file, {"name": names("workbench.localizers")[0]}, "localizer."))

@@ -319,6 +319,9 @@ def _part_place(place: PartPlace) -> Iterator[str]:
     yield f"free_rotation_deg = {number(np.rad2deg(place.free_rotation))}"
     yield f"tolerance_mm = {number(place.tolerance * 1000)}"
     yield f"tolerance_deg = {number(np.rad2deg(place.turn_tolerance))}"
+    if place.centred is not None:
+        yield f"centred_mm = {number(place.centred[0] * 1000)}"
+        yield f"centred_deg = {number(np.rad2deg(place.centred[1]))}"
     if place.approach != DOWN:
         yield f"approach = {numbers(np.round(place.approach, 6))}"
 

@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from workbench.app.core.state import State
 from workbench.model.candidate import Candidate
 from workbench.model.messages.message import Message
+from workbench.planning.placing.assembling import base_errors
 from workbench.planning.placing.budget import budget_of
 
 log = logging.getLogger(__name__)
@@ -54,7 +55,8 @@ class Sureness:
             return
         try:
             detection = (state.detections or ())[candidate.detection]
-            known[number] = budget_of(state.cell, detection, candidate).words
+            bases = base_errors(state.placed)
+            known[number] = budget_of(state.cell, detection, candidate, bases).words
         except Exception:
             # A rim: a candidate of which nothing can be said leaves the page as it is.
             log.exception("how sure a candidate is could not be worked out")

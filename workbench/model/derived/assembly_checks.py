@@ -2,16 +2,20 @@
 
 from collections.abc import Iterator
 
+import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.messages.cells import AssemblyText
 from workbench.model.messages.message import Message
-from workbench.model.recipes.kit import KitItem
+from workbench.model.recipes.kit import Insertion, KitItem
 from workbench.model.recipes.recipe import Recipe
 
 LEVEL = 0.01
 """An insertion that rises by less than this share of its length comes from the side."""
+
+OUTSIDE = 0.005
+"""[m] The mouth of a joint is no farther outside of the box around its base."""
 
 Items = dict[str, KitItem]
 """Items of a recipe by their kinds."""
@@ -67,6 +71,24 @@ def _stand_problem(cell: Cell, recipe: Recipe, item: KitItem) -> Message | None:
         return AssemblyText.NO_PLACE(base=insertion.base)
     if any((R @ insertion.along)[2] > LEVEL for R in (T.rotation for T in poses)):
         return AssemblyText.FROM_BELOW(part=item.part, base=insertion.base)
+    return _joint_problem(cell, item.part, insertion)
+
+
+def _joint_problem(cell: Cell, kind: str, insertion: Insertion) -> Message | None:
+    """Why a joint is none of the two parts."""
+    joint, base = insertion.joint, cell.part(insertion.base).mesh.points
+    if joint is None:
+        return None
+    low, high = base.min(axis=0) - joint.mouth, base.max(axis=0) - joint.mouth
+    away = float(np.maximum(np.maximum(low, -high), 0.0).max())
+    if away > OUTSIDE:
+        return AssemblyText.MOUTH(base=insertion.base, away=away)
+    along = insertion.T_base_part.rotation.T @ insertion.along
+    points = cell.part(kind).mesh.points
+    across = points - np.outer(points @ along, along)
+    half = float(np.linalg.norm(across - across.mean(axis=0), axis=1).max())
+    if joint.chamfer >= half:
+        return AssemblyText.CHAMFER(chamfer=joint.chamfer, part=kind, half=half)
     return None
 
 

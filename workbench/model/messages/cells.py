@@ -110,6 +110,8 @@ class AssemblyText(Text, subject="assembly"):
     COUNT = "the recipe has {count} {part}; of a part that is assembled it can have 1"
     NO_PLACE = "no arm has a place with part_position_mm for {base}, which another item is on"
     FROM_BELOW = "insert_along brings {part} to {base} from below"
+    MOUTH = "mouth_mm lies {away:mm} outside of {base}"
+    CHAMFER = "chamfer_mm {chamfer:mm} is not smaller than {part}, which reaches {half:mm} sideways"
     PASSED_ON = "the {arm} arm passes parts on, so that nothing can be assembled"
 
 

@@ -70,6 +70,8 @@ class BudgetText(Text, subject="budget"):
         "{error}; {chance:%} of picks are within the tolerances of the place, {tolerance:mm} and "
         "{turn_tolerance:deg1}"
     )
+    MATES = "{error}; {chance:%} of picks mate with {base}"
+    MATES_SELDOM = "{error}; {chance:%} of picks mate with {base}, {share:%} are asked for"
     CALIBRATION = "calibration"
     LOCALIZATION = "localization"
     GRIP = "grip"

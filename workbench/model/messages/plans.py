@@ -65,6 +65,7 @@ class PlanNote(Text, subject="plan"):
     FOUND_GRIP = "a search found the grip for {parts:and}; no library has it"
     QUICKER_REFUSED = "the proof refuses a quicker plan: {violation}"
     GOES_UNSEEN = "collision possible with parts not found where the scan shows nothing"
+    MATES_SELDOM = "{chance:%} of picks mate {part} with {base}, {share:%} are asked for"
     PUT_ON_STATION = "regrasp: put on station {station}, picked again from there"
     TAKEN_FROM_STATION = "regrasp: picked from station {station}"
 

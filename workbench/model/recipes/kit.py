@@ -10,6 +10,7 @@ from workbench.model.digest import LATER
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.cells import KitText
 from workbench.model.messages.message import Message
+from workbench.model.recipes.joint import Joint
 
 MOST_ITEMS, MOST_OF_ITEM = 16, 99
 
@@ -21,6 +22,7 @@ class Insertion:
     `position` (3,) [m] and `rpy` (3,) [rad] are its pose in the base when the hand lets go of it.
     It comes there along the unit direction `along` (3,) in the base, over `length` [m].  On this
     motion the two parts keep at least `clearance` [m] between them; all else keeps its margin.
+    `joint` is what they tolerate, None where nobody states it.
     """
 
     base: str
@@ -29,6 +31,7 @@ class Insertion:
     along: tuple[float, float, float]
     length: float
     clearance: float
+    joint: Joint | None = field(default_factory=lambda: None, metadata=LATER)
 
     @property
     def T_base_part(self) -> pin.SE3:

@@ -1,16 +1,24 @@
-"""Where an arm may put a part of an assembly."""
+"""Where an arm may put a part of an assembly, and whether it will mate there."""
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.model.candidate import Reason, Stage, Verdict
-from workbench.model.cell import Arm
+from workbench.model.cell import Arm, Cell
 from workbench.model.derived.assembling import assembled_kinds, assembled_pose, insertion_of
 from workbench.model.messages.cells import KitText
+from workbench.model.messages.message import Message
+from workbench.model.messages.plans import PlanNote
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import PartPlace
+from workbench.model.plan import ArmPlan, Plan
+from workbench.model.recipes.joint import PlacingError
+from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
+from workbench.planning.placing.budget import budget_by
 
 
 def arm_placing(world: World, arm: Arm, number: int) -> Arm | Verdict:
@@ -45,3 +53,66 @@ def arm_placing(world: World, arm: Arm, number: int) -> Arm | Verdict:
     T_seat = T_world_base * insertion.T_base_part
     seat = PartPlace(T_seat, found.part, approach=(x, y, z), length=insertion.length)
     return replace(arm, part_places=(seat,))
+
+
+def placing_error(
+    cell: Cell, found: Detection, arm_plan: ArmPlan, T_world_put: pin.SE3
+) -> PlacingError:
+    """How far a part that an arm puts down may be off: in a nest that centres it, what that leaves.
+
+    Args:
+        cell: of the arm.
+        found: the part as it is taken.
+        arm_plan: that takes it.
+        T_world_put: where the hand lets go of it.
+    """
+    places = cell.arm(arm_plan.arm).places_for(found.part)
+    nest = min(
+        places if insertion_of(cell, found.part) is None else (),
+        key=lambda place: float(
+            np.linalg.norm(place.T_world_part.translation - T_world_put.translation)
+        ),
+        default=None,
+    )
+    if nest is None or nest.centred is None:
+        return budget_by(cell, found, arm_plan.arm, arm_plan.T_tcp_part.inverse()).error
+    return nest_error(nest)
+
+
+def nest_error(nest: PartPlace) -> PlacingError:
+    """How far a part may be off at a place: none is, where nothing is stated."""
+    shift, turn = nest.centred or (0.0, 0.0)
+    return PlacingError(np.zeros((6, 6)), np.diag(np.square([shift] * 3 + [turn] * 3)))
+
+
+def base_errors(placed: Sequence[Detection]) -> Mapping[str, PlacingError]:
+    """By their kinds, the errors of the parts that surely are in the assembly."""
+    return {
+        detection.part: detection.placing
+        for detection in placed
+        if detection.placing is not None and detection.score > 0
+    }
+
+
+def mating_notes(cell: Cell, plan: Plan, bases: Mapping[str, PlacingError]) -> Iterator[Message]:
+    """A warning for each part of a plan of which fewer will mate than its joint asks for.
+
+    Args:
+        cell: of the plan.
+        plan: whose bases stand already.
+        bases: see `budget_by`.
+    """
+    for arm_plan in plan.picks:
+        found = plan.detections[arm_plan.detection]
+        insertion = insertion_of(cell, found.part)
+        if insertion is None or insertion.joint is None or insertion.base not in bases:
+            continue
+        T_part_tcp = arm_plan.T_tcp_part.inverse()
+        budget = budget_by(cell, found, arm_plan.arm, T_part_tcp, bases)
+        if budget.chance is not None and budget.mates_seldom and not arm_plan.station:
+            yield PlanNote.MATES_SELDOM(
+                chance=budget.chance,
+                part=found.part,
+                base=insertion.base,
+                share=insertion.joint.share,
+            )

@@ -3,16 +3,20 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate
 from workbench.model.cell import Cell, Tool
+from workbench.model.derived.assembling import insertion_of
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.messages.grasps import BudgetText
 from workbench.model.messages.message import Message
 from workbench.model.part import Part, PartPlace
+from workbench.model.recipes.joint import PlacingError
+from workbench.model.recipes.kit import Insertion
 from workbench.model.scan import Detection
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.placing.chance import (
@@ -24,7 +28,13 @@ from workbench.planning.placing.chance import (
     within,
 )
 from workbench.planning.placing.contact import Grip, cup_grip, finger_grip
-from workbench.planning.placing.sources import calibration_error, localization_error
+from workbench.planning.placing.mating import mating_chance
+from workbench.planning.placing.sources import (
+    calibration_error,
+    localization_error,
+    moves_by_scanner,
+    scanner_error,
+)
 
 CALIBRATION, LOCALIZATION, GRIP = (
     BudgetText.CALIBRATION,
@@ -42,6 +52,8 @@ ABOUT = {
 }
 """Words for the axes of the hand, with fingers and without."""
 
+NO_BASES: Mapping[str, PlacingError] = MappingProxyType({})
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Budget:
@@ -53,7 +65,8 @@ class Budget:
     the part's frame.  In `SURE` of all picks the part is shifted by `shift` [m] or less and,
     counted by itself, turned by `turn` [rad] or less.  `largest` names what most of it comes from,
     and along or about which axis.  `chance` 0..1 is that of both within the tolerances of `place`,
-    where there is one for the part.
+    where there is one for the part; or, of a part that comes onto another one by a joint, of mating
+    with that by `insertion`.  `error` is all of it for what comes onto this part.
     """
 
     covariance: Floats
@@ -65,6 +78,8 @@ class Budget:
     counted: Counted
     place: PartPlace | None
     chance: float | None
+    error: PlacingError
+    insertion: Insertion | None
 
     def __post_init__(self) -> None:
         put(self, covariance=frozen(self.covariance), R_part_hand=frozen(self.R_part_hand))
@@ -80,8 +95,14 @@ class Budget:
         error = BudgetText.PLACED(
             far=self.shift, turn=self.turn, sure=SURE, source=source(), axis=axis()
         )
-        if self.place is None or self.chance is None:
+        if self.chance is None:
             return error
+        if self.place is None:
+            assert self.insertion is not None and self.insertion.joint is not None
+            known = {"error": error, "chance": self.chance, "base": self.insertion.base}
+            if self.mates_seldom:
+                return BudgetText.MATES_SELDOM(**known, share=self.insertion.joint.share)
+            return BudgetText.MATES(**known)
         return BudgetText.WITHIN(
             error=error,
             chance=self.chance,
@@ -89,31 +110,54 @@ class Budget:
             turn_tolerance=self.place.turn_tolerance,
         )
 
+    @property
+    def mates_seldom(self) -> bool:
+        """Whether fewer picks will mate than the joint asks for."""
+        joint = None if self.insertion is None else self.insertion.joint
+        return joint is not None and self.chance is not None and self.chance < joint.share
+
     def _off(self) -> tuple[Floats, Floats]:
         return off_of(self.covariance, self.R_part_hand, self.counted)
 
 
-def budget_of(cell: Cell, detection: Detection, candidate: Candidate) -> Budget:
-    """What a candidate leaves open of where its part comes to lie.
+def budget_of(
+    cell: Cell,
+    detection: Detection,
+    candidate: Candidate,
+    bases: Mapping[str, PlacingError] = NO_BASES,
+) -> Budget:
+    """What a candidate leaves open of where its part comes to lie; see `budget_by`."""
+    T_part_tcp = detection.T_world_part.actInv(candidate.T_world_tcp)
+    return budget_by(cell, detection, candidate.arm, T_part_tcp, bases)
+
+
+def budget_by(
+    cell: Cell,
+    detection: Detection,
+    arm_name: str,
+    T_part_tcp: pin.SE3,
+    bases: Mapping[str, PlacingError] = NO_BASES,
+) -> Budget:
+    """What a grip leaves open of where its part comes to lie.
 
     Robot and place count as exact.  The part is taken as lying by itself on something level.
 
     Args:
         cell: its scanner, the arm's tool, its places for the part.
-        detection: that the candidate takes.
-        candidate: refused or not.
+        detection: that is gripped.
+        arm_name: whose hand grips it.
+        T_part_tcp: of the grasp.
+        bases: by their kinds, the errors of parts of the assembly that stand already.
     """
-    arm = cell.arm(candidate.arm)
+    arm = cell.arm(arm_name)
     part = cell.part(detection.part)
     T_world_part, tool = detection.T_world_part, arm.tool
-    T_part_tcp = T_world_part.actInv(candidate.T_world_tcp)
     checker = _checker(part, tool)
     R_tcp_hand = np.eye(3) if checker.pads is None else np.asarray(checker.pads.R_tcp_closing)
     R_part_hand = T_part_tcp.rotation @ R_tcp_hand
     grip = _grip(checker, tool, T_part_tcp, T_world_part)
-    to_tcp = R_part_hand.T @ T_part_tcp.translation
     to_hand = _to_hand(T_world_part, T_part_tcp, R_part_hand)
-    to_part = _shift(-to_tcp)
+    to_part = _shift(-R_part_hand.T @ T_part_tcp.translation)
     before = {
         CALIBRATION: to_hand @ calibration_error(cell.scanner, detection) @ to_hand.T,
         LOCALIZATION: to_hand @ localization_error(detection) @ to_hand.T,
@@ -126,11 +170,20 @@ def budget_of(cell: Cell, detection: Detection, candidate: Candidate) -> Budget:
         name: frozen(to_part @ covariance_of @ to_part.T) for name, covariance_of in kept.items()
     }
     covariance = sum(shares.values(), np.zeros((6, 6)))
-    places = arm.places_for(part.name)
+    turned = _turn(R_part_hand)
+    by_scanner = to_part @ grip.keeps @ to_hand @ moves_by_scanner(cell.scanner, detection)
+    rest = covariance - shares[CALIBRATION]
+    error = PlacingError(turned @ by_scanner, turned @ rest @ turned.T)
+    insertion = insertion_of(cell, part.name)
+    places = arm.places_for(part.name) if insertion is None else ()
     place = places[0] if places else None
     what = select_counted(part, detection, place)
     off = off_of(covariance, R_part_hand, what)
     shift, turn = (float(np.quantile(samples, SURE)) for samples in off)
+    chance = None if place is None else within(off, place)
+    if insertion is not None and insertion.joint is not None and insertion.base in bases:
+        base = bases[insertion.base]
+        chance = mating_chance(insertion, error, base, scanner_error(cell.scanner))
     return Budget(
         covariance,
         shares,
@@ -140,7 +193,9 @@ def budget_of(cell: Cell, detection: Detection, candidate: Candidate) -> Budget:
         _largest(shares, R_part_hand, what, place, bool(tool.fingers)),
         what,
         place,
-        None if place is None else within(off, place),
+        chance,
+        error,
+        insertion,
     )
 
 

@@ -21,23 +21,30 @@ LOCALIZATION = (0.001, float(np.deg2rad(1.0)))
 
 def calibration_error(mount: ScannerMount, detection: Detection) -> Floats:
     """What the scanner's pose leaves open (6, 6) [m, rad]: more of parts that are further away."""
-    record, covariance = mount.calibration, calibration_covariance(mount)
+    # What is not known of place and direction cancels in part: the plate was near the bin.
+    moves = moves_by_scanner(mount, detection)
+    return moves @ scanner_error(mount) @ moves.T
+
+
+def moves_by_scanner(mount: ScannerMount, detection: Detection) -> Floats:
+    """How shifts and turns of the scanner move a part: `error -> moves @ error` (6, 6) [m, rad]."""
     x, y, z = detection.T_world_part.translation - mount.T_world_scanner.translation
-    moved = np.zeros((6, 3))  # by turns of the scanner
-    moved[:3] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
-    moved[3:] = np.eye(3)
+    moves = np.eye(6)
+    moves[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+    return moves
+
+
+def scanner_error(mount: ScannerMount) -> Floats:
+    """What is not known of the scanner's pose (6, 6) [m, rad]."""
+    record, covariance = mount.calibration, calibration_covariance(mount)
     if covariance is not None:
-        # What is not known of place and direction cancels in part: the plate was near the bin.
-        moves = np.hstack([np.eye(6, 3), moved])
-        return moves @ covariance @ moves.T
+        return covariance
     place, turn = CALIBRATION
     if record is not None and record.position_error is not None:
         place = record.position_error
     if record is not None and record.angle_error is not None:
         turn = record.angle_error
-    found = turn**2 * moved @ moved.T
-    found[:3, :3] += place**2 * np.eye(3)
-    return found
+    return np.diag(np.square([place] * 3 + [turn] * 3))
 
 
 def localization_error(detection: Detection) -> Floats:
