@@ -33,7 +33,7 @@ KNOWN = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class SessionListing:
-    """What happened in a session, entry by entry, as people are told it."""
+    """What happened in a session, entry by entry, for people."""
 
     head: Mapping[str, Any]
     entries: tuple[Mapping[str, Any], ...]

@@ -29,7 +29,7 @@ from workbench.plugins.progress import Report
 log = logging.getLogger(__name__)
 
 NOTE = ProgressText.GETTING_READY()
-"""What is told meanwhile."""
+"""What is shown meanwhile."""
 
 WARM_UP = "workbench.app.runtime.warm_up"
 """The program that compiles for one use."""

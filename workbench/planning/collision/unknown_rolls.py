@@ -25,8 +25,8 @@ from workbench.model.scan import Detection
 from workbench.model.symmetry import make_turn
 
 TURNS, BETWEEN = 24, 0.001
-"""At how many turns a part is checked at least, and how far [m] any of its points may be from where
-it is at the nearest of these turns."""
+"""A part is checked at least at this many turns; [m] the most that a point may be from where it is
+at the nearest one."""
 
 ROUND = 3e-4
 """[m] A cylinder that needs no more room than this around it fills the same at every turn."""

@@ -46,7 +46,7 @@ BATCH = 12_000
 """Grips that are tried together where some are searched."""
 
 ALONE = 100.0
-"""[m] So high above the cell a part is looked at by itself."""
+"""[m] A part this high above the cell is checked by itself."""
 
 FOUND_PRIORITY = -1000
 """Of grips as grasps: behind all that a library may have."""

@@ -35,7 +35,7 @@ from workbench.model.release import PartReport
 from workbench.model.scan import Detection
 
 AVOID_SCANS = 3
-"""For so many further scans a part is left alone after its pick has failed."""
+"""Further scans during which a part is left alone after its pick has failed."""
 
 
 AVOID_MINUTES = 10.0
@@ -46,7 +46,7 @@ SAME_PLACE = 0.015
 
 
 MOST_FAILURES = 3
-"""So many failed picks in a row stop the cycle until somebody has looked."""
+"""Failed picks in a row that stop the cycle until somebody has looked."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
