@@ -149,12 +149,20 @@ class Candidate(FactsRepr):
         put(self, T_world_tcp=copy_pose(self.T_world_tcp))
 
     @property
+    def grasp_label(self) -> str:
+        """For people, by what it takes the part."""
+        return label_grasp(self.grasp.name, self.tcp)
+
+    @property
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
         part, verdict = f"part-{self.detection + 1}", str(self.verdict)
-        tcp = {"tcp": self.tcp} if self.tcp else {}
-        taken = {"part": part, "grasp": self.grasp.name, "arm": self.arm}
-        return {**taken, **tcp, "verdict": verdict}
+        return {"part": part, "grasp": self.grasp_label, "arm": self.arm, "verdict": verdict}
+
+
+def label_grasp(grasp: str, tcp: str) -> str:
+    """A grasp with the TCP that takes the part, where that has a name: `top (angled)`."""
+    return f"{grasp} ({tcp})" if tcp else grasp
 
 
 RUBS = 0.0003

@@ -1,4 +1,4 @@
-"""A robot as a tree of links and joints, whatever file it came from; TCPs and a scanner on its arm."""
+"""A robot as a tree of links and joints, whatever file it came from; what its arms carry."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

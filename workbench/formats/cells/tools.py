@@ -132,7 +132,8 @@ def check_grasp_tcps(table: Table, cell: Cell) -> None:
         FileError: names the grasp, its part, and the TCPs that there are.
     """
     tools = {tool.name: tool for arm in cell.arms for tool in (arm.tool, *arm.tools)}
-    for part, grasp in ((part, grasp) for part in cell.parts for grasp in part.library.grasps):
+    every = [(part, grasp) for part in cell.parts for grasp in part.library.grasps]
+    for part, grasp in every:
         usable = [tool for tool in tools.values() if grasp.tool in ("", tool.name)]
         known = {tcp.name: tcp for tool in usable for tcp in tool.tcps}
         if usable and grasp.tcp and grasp.tcp not in known:

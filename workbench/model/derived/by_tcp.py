@@ -5,6 +5,7 @@ from copy import copy
 from dataclasses import replace
 from functools import lru_cache
 from itertools import product
+from typing import Protocol
 
 import pinocchio as pin
 
@@ -12,6 +13,7 @@ from workbench.model.cell import Cell, Tool
 from workbench.model.errors import InputError
 from workbench.model.geometry import put
 from workbench.model.messages.cells import CellText
+from workbench.model.part import Grasp
 from workbench.model.plan import Plan
 from workbench.model.robot import Tcp
 
@@ -26,9 +28,14 @@ def has_tcp(tool: Tool, name: str) -> bool:
     return not name or name in tcp_names(tool)
 
 
-def is_for(wanted: str, tool: Tool) -> bool:
-    """Whether a grasp for the TCP of that name, or for any, can be used with the current TCP."""
-    return wanted in ("", tool.tcp)
+def is_for(grasp: Grasp, tool: Tool) -> bool:
+    """Whether a grasp can be used with the current TCP of a tool."""
+    return grasp.tcp in ("", tool.tcp)
+
+
+def is_for_another(grasp: Grasp, tool: Tool) -> bool:
+    """Whether a grasp is for a TCP of the tool that is not the current one."""
+    return has_tcp(tool, grasp.tcp) and not is_for(grasp, tool)
 
 
 def current_tcp(tool: Tool) -> Tcp:
@@ -58,6 +65,15 @@ def with_tcp(tool: Tool, name: str) -> Tool:
         known = ", ".join(filter(None, tcp_names(tool))) or "one without a name"
         raise InputError(CellText.NO_TCP(tool=tool.name, name=repr(name), known=known))
     return replace(tool, T_flange_tcp=found.T_flange_tcp, tcp=name)
+
+
+def from_current_tcp(tool: Tool, name: str) -> pin.SE3:
+    """The pose of one of a tool's TCPs, seen from the current one; empty: of the first one.
+
+    Raises:
+        InputError: as `with_tcp`.
+    """
+    return tool.T_flange_tcp.actInv(with_tcp(tool, name).T_flange_tcp)
 
 
 def with_tcp_at(tool: Tool, T_flange_tcp: pin.SE3) -> Tool:
@@ -100,6 +116,29 @@ def by_each_tcp(cell: Cell) -> tuple[Cell, ...]:
     names = [arm.name for arm in cell.arms]
     every = product(*(tcp_names(arm.tool) for arm in cell.arms))
     return tuple(with_tcps(cell, dict(zip(names, tcps, strict=True))) for tcps in every)
+
+
+class Taking(Protocol):
+    """What an arm does with a TCP: a candidate, its plan, or a leg of it."""
+
+    @property
+    def arm(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def tcp(self) -> str:
+        """That of its tool; empty: the first one."""
+        ...
+
+
+def by_taking(cell: Cell, taking: Taking) -> Cell:
+    """The cell with the tool of an arm working with the TCP by which that takes a part.
+
+    Raises:
+        InputError: the tool has no such TCP.
+    """
+    return with_tcps(cell, {taking.arm: taking.tcp})
 
 
 def by_plan(cell: Cell, plan: Plan) -> Cell:

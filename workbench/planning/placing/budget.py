@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate
 from workbench.model.cell import Cell, Tool
+from workbench.model.derived.by_tcp import by_taking
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.messages.grasps import BudgetText
 from workbench.model.messages.message import Message
@@ -103,7 +104,7 @@ def budget_of(cell: Cell, detection: Detection, candidate: Candidate) -> Budget:
         detection: that the candidate takes.
         candidate: refused or not.
     """
-    arm = cell.arm(candidate.arm)
+    arm = by_taking(cell, candidate).arm(candidate.arm)
     part = cell.part(detection.part)
     T_world_part, tool = detection.T_world_part, arm.tool
     T_part_tcp = T_world_part.actInv(candidate.T_world_tcp)
