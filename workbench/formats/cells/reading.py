@@ -42,7 +42,7 @@ from workbench.model.errors import FileError, InputError
 from workbench.model.part import Part
 from workbench.model.robot import Link, Robot
 from workbench.model.scan import LocalizerChoice, PosesFolder
-from workbench.plugins.misfit import mapping_problem
+from workbench.plugins.misfit import link_problem
 from workbench.plugins.planner import planner_names
 from workbench.plugins.robot_link import (
     controller_by,
@@ -116,7 +116,7 @@ def read_cell(name: str | Path) -> Cell:
     )
     with refused_at(table, "controller.protocol"):
         link_named(cell.controller.link).check(cell)
-        if problem := mapping_problem(cell):
+        if problem := link_problem(cell):
             raise InputError(problem)
     _check_speeds(table, cell)
     with refused_at(table, "scanner.source"):

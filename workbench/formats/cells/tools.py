@@ -80,15 +80,12 @@ def _read_tcps(table: Table) -> list[Tcp]:
     tables = list(table.tables("tcp"))
     if not 1 <= len(tables) <= MOST_TCPS:
         raise table.error("tcp", f"{len(tables)} TCPs, 1 to {MOST_TCPS} are expected")
-    tcps = [read_tcp(each) for each in tables]
-    for each, tcp in zip(tables, tcps, strict=True):
-        if not tcp.name and len(tcps) > 1:
-            raise each.error("name", "is missing; each of several TCPs needs a name of its own")
+    tcps = [read_tcp(each, is_one_of_several=len(tables) > 1) for each in tables]
     table.once("tcp.name", (tcp.name for tcp in tcps))
     return tcps
 
 
-def read_tcp(table: Table) -> Tcp:
+def read_tcp(table: Table, *, is_one_of_several: bool = False) -> Tcp:
     """The table of one TCP.
 
     Raises:
@@ -96,9 +93,9 @@ def read_tcp(table: Table) -> Tcp:
     """
     name, touches = table.text("name", "", empty=True), table.texts("touches", ())
     output = table.whole("output", NO_OUTPUT, low=NO_OUTPUT, high=MOST_OUTPUT)
-    for key in ("touches", "output"):
-        if table.has(key) and not name:
-            raise table.error("name", f"is missing; {key} says nothing without it")
+    if not name and (is_one_of_several or touches or output != NO_OUTPUT):
+        problem = "is missing; each of several TCPs needs a name, and one with touches or output"
+        raise table.error("name", problem)
     tcp = Tcp(name, read_pose(table), touches, None if output == NO_OUTPUT else output)
     table.finish()
     return tcp
