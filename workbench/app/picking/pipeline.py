@@ -200,11 +200,18 @@ def _plan_by_each(
         asked = replace(asked, report=within(report, number * share, (number + 1) * share))
         found = _plan(world, scene, asked, stages, levels, tries=tries)
         judged, stages = (*judged, *found.candidates), _after(found)
-        best = found if best is None else _better(best, found)
+        best = found if best is None else _further(best, found)
         if _holds(best) or processor_time() > asked.deadline:
             break
     assert best is not None
-    return replace(best, candidates=judged)
+    return replace(best, candidates=judged, seconds=stages.seconds)
+
+
+def _further(result: PlanResult, later: PlanResult) -> PlanResult:
+    """The better one; where neither has a plan, the one whose verdict came further."""
+    if result.plan is None and later.plan is None:
+        return max(result, later, key=lambda each: list(Stage).index(each.verdict.stage))
+    return _better(result, later)
 
 
 def _plan(

@@ -94,7 +94,8 @@ class PairTable(BodyPairs):
         self.first, self.second = np.nonzero(self.counts)
         self._part = np.array([b.part for b in bodies])
         self._tool = np.array([b.kind == "tool" for b in bodies])
-        self._barred = np.array([b.label in _barred_labels(cell) for b in bodies])
+        barred = _barred_labels(cell)
+        self._barred = np.array([b.label in barred for b in bodies])
         self._finger = np.array([b.is_finger for b in bodies])
         self._arm_numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
         self.rounds = np.array([is_round(body, tree) for body in bodies])
