@@ -30,13 +30,13 @@ SAME_PLACE, SAME_TURN = 5e-4, np.deg2rad(0.5)
 class Grasp:
     """Where and how a tool takes the part.  The TCP's z axis points into the part.
 
-    `approach` (3,) and `retreat` (3,) are unit directions of travel in the TCP frame, with
-    their lengths in m: the tool arrives along `approach` over `approach_length`.  When
-    `retreat` is None the extraction follows the cell's policy (lift, leaning to the bin
-    centre).  `opening` [m] is the finger distance on arrival, `grip` [m] when closed on the
-    part.  `arms`, `tool` and `tcp` are those it is for; empty means any.  `free_rotation` [rad] is
-    how far the tool may turn about its own z either way; `tilt` [rad] how far about its closing
-    axis y; `slide` [m] how far it may be moved along its x.  `is_found`: by a search for one part.
+    `approach` (3,) and `retreat` (3,) are unit directions of travel in the TCP frame, with lengths
+    in m: the tool arrives along `approach` over `approach_length`.  When `retreat` is None the
+    extraction follows the cell's policy.  `opening` [m] of the fingers on arrival, `grip` [m]
+    closed on the part.  `arms`, `tool` and `tcp` are those it is for; empty means any.
+    `free_rotation` [rad] is how far the tool may turn about its own z either way; `tilt` [rad] how
+    far about its closing axis y; `slide` [m] how far it may move along its x.  `is_found`: by a
+    search for one part.
     """
 
     name: str
