@@ -35,8 +35,7 @@ class Grasp:
     extraction follows the cell's policy.  `opening` [m] of the fingers on arrival, `grip` [m]
     closed on the part.  `arms`, `tool` and `tcp` are those it is for; empty means any.
     `free_rotation` [rad] is how far the tool may turn about its own z either way; `tilt` [rad] how
-    far about its closing axis y; `slide` [m] how far it may move along its x.  `is_found`: by a
-    search for one part.
+    far about its closing axis y; `slide` [m] how far along its x.  `is_found`: for one part only.
     """
 
     name: str
