@@ -44,7 +44,8 @@ class GraspFields:
         }
         tools = (ANY, *editing.tools)
         self._tool = gui.add_dropdown("For the tool", tools, hint="Arms with another one refuse.")
-        self._tcp = gui.add_dropdown("For the TCP", (ANY,), hint="Any: plans try each of the tool.")
+        tcps: tuple[str, ...] = (ANY,)
+        self._tcp = gui.add_dropdown("For the TCP", tcps, hint="Any: plans try each of the tool.")
         self._opening = gui.add_number(
             "Opening [mm]", 0.0, step=0.1, hint="Between the fingers on arrival."
         )
