@@ -44,8 +44,8 @@ class GraspFields:
         }
         tools = (ANY, *editing.tools)
         self._tool = gui.add_dropdown("For the tool", tools, hint="Arms with another one refuse.")
-        tcps: tuple[str, ...] = (ANY,)
-        self._tcp = gui.add_dropdown("For the TCP", tcps, hint="Any: plans try each of the tool.")
+        tcps, hint = self._tcps(ANY), "Any: plans try each of the tool."
+        self._tcp = gui.add_dropdown("For the TCP", tcps, hint=hint)
         self._opening = gui.add_number(
             "Opening [mm]", 0.0, step=0.1, hint="Between the fingers on arrival."
         )
@@ -103,11 +103,15 @@ class GraspFields:
         tools = tuple(dict.fromkeys((ANY, *self._editing.tools, tool)))
         if self._tool.options != tools:
             self._tool.options = tools
-        named = (each.name for known in self._editing.tools.values() for each in known.tcps)
-        tcps = tuple(dict.fromkeys((ANY, *named, tcp)))
+        tcps = self._tcps(tcp)
         self._tcp.visible = len(tcps) > 1
         if self._tcp.options != tcps:
             self._tcp.options = tcps
+
+    def _tcps(self, chosen: str) -> tuple[str, ...]:
+        """The TCPs of all tools by name, after `ANY`, and the one chosen."""
+        named = (tcp.name for tool in self._editing.tools.values() for tcp in tool.tcps)
+        return tuple(dict.fromkeys((ANY, *named, chosen)))
 
     def _is_typed(self) -> bool:
         """Whether something was typed that is not applied."""
