@@ -7,8 +7,12 @@ import pytest
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
-from workbench.model.derived.contact_energy import effective_mass, energy_speed
-from workbench.model.derived.speed_limits import limits_speed, speed_limits
+from workbench.model.derived.speed_limits import (
+    effective_mass,
+    energy_speed,
+    limits_speed,
+    speed_limits,
+)
 from workbench.model.messages.proofs import ProofText
 from workbench.perception.simulation.piles import drop_parts
 from workbench.proof.claims.prove import prove

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import FactsRepr
+from workbench.model.digest import LATER, FactsRepr
 from workbench.model.geometry import Floats, copy_pose, frozen, put
 from workbench.model.messages.message import Message, all_of, found_part
 from workbench.model.messages.verdicts import ReasonText, StageText, VerdictText
@@ -133,7 +133,8 @@ class Candidate(FactsRepr):
     """One detection taken by one grasp with one arm, with the verdict so far.
 
     `detection` is the index among the detections of the scan.  `rank` orders the choice:
-    lower is better (the SE(3) distance between the arm's home TCP pose and the grasp).
+    lower is better (the SE(3) distance between the arm's home TCP pose and the grasp).  `tcp` names
+    that of the tool, empty where it names none.
     """
 
     detection: int
@@ -142,15 +143,26 @@ class Candidate(FactsRepr):
     T_world_tcp: pin.SE3
     rank: float
     verdict: Verdict
+    tcp: str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_tcp=copy_pose(self.T_world_tcp))
 
     @property
+    def grasp_label(self) -> str:
+        """For people, by what it takes the part."""
+        return label_grasp(self.grasp.name, self.tcp)
+
+    @property
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
         part, verdict = f"part-{self.detection + 1}", str(self.verdict)
-        return {"part": part, "grasp": self.grasp.name, "arm": self.arm, "verdict": verdict}
+        return {"part": part, "grasp": self.grasp_label, "arm": self.arm, "verdict": verdict}
+
+
+def label_grasp(grasp: str, tcp: str) -> str:
+    """A grasp with the TCP that takes the part, where that has a name: `top (angled)`."""
+    return f"{grasp} ({tcp})" if tcp else grasp
 
 
 RUBS = 0.0003

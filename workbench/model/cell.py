@@ -12,11 +12,10 @@ from workbench.model.digest import LATER, FactsRepr, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Solid, copy_pose, frozen, put
 from workbench.model.messages.cells import CellText
-from workbench.model.messages.message import Message
 from workbench.model.motion import MotionModel
 from workbench.model.part import Bin, Part, PartPlace, Station
 from workbench.model.recipes.recipe import NO_RECIPE, Recipe
-from workbench.model.robot import ArmScanner, AxisMapping, Robot
+from workbench.model.robot import ArmScanner, AxisMapping, Robot, Tcp
 from workbench.model.scan import LocalizerChoice, Option, PosesFolder
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
@@ -48,6 +47,8 @@ class Tool:
     the lip of a suction cup as it arrives.  `force` [N]: by which each finger closes, or the vacuum
     pulls; None where nobody has said it.  So are `mass` [kg], and, where they are not to be
     estimated, `centre_of_gravity` (3,) [m] and `inertia` (3, 3) [kg m2] about it (`model.load`).
+    `T_flange_tcp` is the pose of `tcp`, which names one of `tcps` where these have names
+    (`derived.by_tcp`); the first one unless a plan states another.
     """
 
     name: str
@@ -60,6 +61,8 @@ class Tool:
     mass: float | None = field(default_factory=lambda: None, metadata=LATER)
     centre_of_gravity: Floats | None = field(default_factory=lambda: None, metadata=LATER)
     inertia: Floats | None = field(default_factory=lambda: None, metadata=LATER)
+    tcps: tuple[Tcp, ...] = field(default_factory=tuple, metadata=LATER)
+    tcp: str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_flange_tcp=copy_pose(self.T_flange_tcp))
@@ -95,7 +98,7 @@ class Arm:
     `controller_id`: what the controller calls the arm.  `tool`: what it carries, of all `tools`.
     `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are the most of its joints; without `jerk`
     acceleration may jump.  `place_names`: of `Ts_world_place`.  `mapping`: see `AxisMapping`.
-    `moving_mass` [kg]: of all links that move (`derived.contact_energy`).
+    `moving_mass` [kg]: of all links that move (`derived.speed_limits`).
     """
 
     name: str
@@ -274,13 +277,6 @@ class Policy:
     manual_speed: bool = field(default_factory=bool, metadata=LATER)
     contact_energy: float | None = field(default_factory=lambda: None, metadata=LATER)
     as_needed: bool = field(default_factory=lambda: True, metadata=LATER)
-
-
-def picks_problem(policy: Policy) -> Message | None:
-    """Why a policy cannot ask for this many plans after one scan; None when it can."""
-    if not 1 <= policy.picks <= MOST_PICKS:
-        return CellText.PICKS(most=MOST_PICKS, count=repr(policy.picks))
-    return CellText.PAIR_GAP() if policy.picks > 1 and policy.pair_gap <= 0 else None
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,7 +31,8 @@ class MotionModel:
     `takes_share`: it can move slower than was planned, along the same way; at most
     `longest` [s] from one waypoint to the next.  `takes_steps`: it can wait for a word before each
     step (`plugins.robot_link.SteppedLink`).  `takes_loads`: it gets the plan's loads.  `maps_axes`:
-    it speaks in the numbers that a controller with an `AxisMapping` shows.  `sends_poses`: the
+    it speaks in the numbers that a controller with an `AxisMapping` shows.  `takes_outputs`: it
+    switches the digital output of the TCP that takes the part.  `sends_poses`: the
     robot's program gets poses of the hand alone and moves by itself: of that motion nothing is
     proven.
     """
@@ -49,6 +50,7 @@ class MotionModel:
     longest: float = field(default_factory=lambda: math.inf, metadata=LATER)
     maps_axes: bool = field(default_factory=bool, metadata=LATER)
     sends_poses: bool = field(default_factory=bool, metadata=LATER)
+    takes_outputs: bool = field(default_factory=bool, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.corners == "streamed" and not self.period > 0:
@@ -105,7 +107,7 @@ class MotionModel:
 class SpeedBound:
     """How fast [m/s] the TCP and any point of arm, tool and part are on a leg, at most.
 
-    `mass` [kg]: what moves (`derived.contact_energy`), None where the cell does not state it.
+    `mass` [kg]: what moves (`derived.speed_limits`), None where the cell does not state it.
     """
 
     arm: str

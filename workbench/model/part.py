@@ -30,14 +30,12 @@ SAME_PLACE, SAME_TURN = 5e-4, np.deg2rad(0.5)
 class Grasp:
     """Where and how a tool takes the part.  The TCP's z axis points into the part.
 
-    `approach` (3,) and `retreat` (3,) are unit directions of travel in the TCP frame, with
-    their lengths in m: the tool arrives along `approach` over `approach_length`.  When
-    `retreat` is None the extraction follows the cell's policy (lift, leaning to the bin
-    centre).  `opening` [m] is the finger distance on arrival, `grip` [m] when closed on the
-    part.  `arms` and `tool` are those it is for; empty means any.  `free_rotation` [rad] is how
-    far the tool may turn about its own z either way; `tilt` [rad] how far about its closing axis
-    y; `slide` [m] how far it may be moved along its x.  `is_found`: a search found it for one
-    part where it lies; no library has it.
+    `approach` (3,) and `retreat` (3,) are unit directions of travel in the TCP frame, with lengths
+    in m: the tool arrives along `approach` over `approach_length`.  When `retreat` is None the
+    extraction follows the cell's policy.  `opening` [m] of the fingers on arrival, `grip` [m]
+    closed on the part.  `arms`, `tool` and `tcp` are those it is for; empty means any.
+    `free_rotation` [rad] is how far the tool may turn about its own z either way; `tilt` [rad] how
+    far about its closing axis y; `slide` [m] how far along its x.  `is_found`: for one part only.
     """
 
     name: str
@@ -56,6 +54,7 @@ class Grasp:
     tilt: float = 0.0
     slide: float = 0.0
     is_found: bool = field(default_factory=bool, metadata=LATER)
+    tcp: str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(
@@ -68,7 +67,7 @@ class Grasp:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraspPattern:
-    """One grasp repeated around and along an axis and across it, kept editable as one thing.
+    """One grasp repeated around and along an axis and across it.
 
     The axis runs along `axis` (3,) through `through` (3,) [m].  The copies are moved by each of
     `offsets` [m] along it and each of `across_offsets` [m] along `across` (3,), and then turned
@@ -397,4 +396,5 @@ def is_same_grip(grasp: Grasp, other: Grasp) -> bool:
     half = np.pi if grasp.grip > 0 else 2 * np.pi
     turn = np.arctan2(T.rotation[1, 0], T.rotation[0, 0]) % half
     is_turned = min(turn, half - turn) <= grasp.free_rotation + SAME_TURN
-    return bool(is_turned) and (grasp.arms, grasp.tool) == (other.arms, other.tool)
+    first, second = ((g.arms, g.tool, g.tcp) for g in (grasp, other))
+    return bool(is_turned) and first == second

@@ -132,7 +132,7 @@ class ArmPlan:
     It is `NO_PART`, and `grasp` empty, of an arm that takes its scanner to the view.
     `station` names where the part is put to be taken anew; empty: to a place.  `loads` are those of
     tool and part, which the controller gets; None where the tool's mass is not known.  `found` is
-    the grip where the part's library has no grasp of this name.
+    the grip where the part's library has no grasp of this name.  `tcp` is the tool's; empty: first.
     """
 
     arm: str
@@ -144,6 +144,7 @@ class ArmPlan:
     station: str = field(default_factory=str, metadata=LATER)
     loads: Loads | None = field(default_factory=lambda: None, metadata=LATER)
     found: FoundGrip | None = field(default_factory=lambda: None, metadata=LATER)
+    tcp: str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_tcp_part=copy_pose(self.T_tcp_part))

@@ -1,4 +1,4 @@
-"""A robot as a tree of links and joints, whatever file it came from, and a scanner on its arm."""
+"""A robot as a tree of links and joints, whatever file it came from; what its arms carry."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -182,6 +182,22 @@ class AxisMapping:
             return "the rows depend on each other: an axis cannot be read back"
         mixed = coupling[np.not_equal.outer(slides, slides)]
         return "a turning axis and a sliding one are added" if np.any(mixed) else ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tcp:
+    """A TCP that has a name: `touches` names the solids of the tool that may touch the part.
+
+    Without any, all may.  `output` is the digital output that switches it; None: the link's one.
+    """
+
+    name: str
+    T_flange_tcp: pin.SE3
+    touches: tuple[str, ...] = ()
+    output: int | None = None
+
+    def __post_init__(self) -> None:
+        put(self, T_flange_tcp=copy_pose(self.T_flange_tcp))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

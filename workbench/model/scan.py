@@ -34,7 +34,7 @@ class Scan(FactsRepr):
     green and blue of each point, 0 to 255 as sRGB has them, None where the scanner gives none.
     `joints` (name -> rad, m) is how the robot stood where an arm carries the scanner, which
     `T_world_scanner` follows from; None where the scanner stands, or nobody knows.  `views` are
-    those that it is merged from, the last one taken at `joints` (`derived.scan_views`).
+    those that it is merged from, the last one taken at `joints` (`derived.by_view`).
     """
 
     points: Floats

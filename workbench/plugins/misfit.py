@@ -9,13 +9,17 @@ from workbench.model.plan import Plan
 from workbench.model.release import AS_PLANNED, Manner
 
 
-def mapping_problem(cell: Cell) -> Message | None:
-    """Why the link of a cell does not speak in its controller's numbers; else None."""
+def link_problem(cell: Cell) -> Message | None:
+    """Why the link of a cell does not know its controller's numbers or outputs; else None."""
     motion = cell.controller.motion
     mapped = [arm.name for arm in cell.arms if arm.mapping is not None]
-    if not mapped or motion.maps_axes:
-        return None
-    return DeviceText.NO_MAPPING(link=motion.link, arm=mapped[0])
+    if mapped and not motion.maps_axes:
+        return DeviceText.NO_MAPPING(link=motion.link, arm=mapped[0])
+    tools = [tool for arm in cell.arms for tool in (arm.tool, *arm.tools)]
+    switched = [tcp.name for tool in tools for tcp in tool.tcps if tcp.output is not None]
+    if switched and not motion.takes_outputs:
+        return DeviceText.NO_OUTPUTS(link=motion.link, tcp=switched[0])
+    return None
 
 
 def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> Message | None:
@@ -24,7 +28,7 @@ def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> Message | Non
     The controller is not in the cell's digest: a plan may have been made for another one.
     """
     motion = cell.controller.motion
-    if problem := mapping_problem(cell):
+    if problem := link_problem(cell):
         return problem
     if motion.sends_poses and plan.is_view_plan:
         return DeviceText.NO_PATHS(link=motion.link)

@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_tcp import is_for
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Bin, Grasp, Part
 from workbench.model.scan import Detection
@@ -119,8 +120,9 @@ def _place(cell: Cell, arm: Arm, number: int, part: Part, seed: int) -> PlacedPa
 
 def _may(arm: Arm, grasp: Grasp) -> bool:
     """Whether an arm may use a grasp at all."""
-    is_for = not grasp.arms or arm.name in grasp.arms
-    return grasp.is_enabled and is_for and grasp.tool in ("", arm.tool.name)
+    is_allowed = not grasp.arms or arm.name in grasp.arms
+    is_of_tool = grasp.tool in ("", arm.tool.name) and is_for(grasp, arm.tool)
+    return grasp.is_enabled and is_allowed and is_of_tool
 
 
 def _down_poses(bin: Bin) -> list[pin.SE3]:

@@ -8,6 +8,7 @@ import threading
 from contextlib import closing
 
 import pytest
+from noted import Clock, Noted, approved
 from waiting import PATIENCE, wait_until
 
 from workbench.app.core.cycle.approval import Approve
@@ -30,31 +31,6 @@ from workbench.journal.journal import Journal
 from workbench.model.cell import PlanOverrides
 from workbench.model.errors import CommandRefused, JournalError
 from workbench.model.release import Receipt
-
-
-class Noted:
-    """Effects that are noted and not carried out."""
-
-    def __init__(self, cell, do, now):
-        self.ran = []
-        self.live = Live()
-        self.closed = False
-
-    def run(self, effect):
-        self.ran.append(effect)
-
-    def close(self):
-        self.closed = True
-
-
-class Clock:
-    """Time that passes when the test says so."""
-
-    def __init__(self):
-        self.now = 1_000_000.0
-
-    def __call__(self):
-        return self.now
 
 
 @pytest.fixture
@@ -81,19 +57,6 @@ def bench(cell, journal, clock, noted):
     made = Bench(cell, journal, now=clock, effects=effects)
     yield made
     made.close()
-
-
-def approved(bench, samples):
-    """Bring the bench to an approved plan; its digest."""
-    scan = samples.scan()
-    bench.do(UseScan(scan), "ada")
-    bench.do(UseDetections(samples.detections()), "ada")
-    state = bench.do(MakePlan(), "ada")
-    result = samples.planned(state.scene_digest)
-    bench.do(JobEnded(state.number, result), "worker")
-    bench.do(WatchPlan(result.plan.digest), "ada")
-    bench.do(Approve(result.plan.digest), "ada")
-    return result.plan.digest
 
 
 def test_a_command_is_recorded_published_and_set_in_motion(bench, journal, noted):

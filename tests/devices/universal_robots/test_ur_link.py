@@ -19,7 +19,9 @@ from workbench.devices.universal_robots.urscript import read_program, seconds_of
 from workbench.devices.universal_robots.ways import UrWay
 from workbench.model.errors import CommandRefused, InputError, JobCancelled, LinkError
 from workbench.model.load import Load, Loads
-from workbench.plugins.robot_link import Simulation, send
+from workbench.model.robot import Tcp
+from workbench.plugins.misfit import link_problem, misfit
+from workbench.plugins.robot_link import Simulation, controller_by, send
 from workbench.testing import check_robot_link
 
 pytest.importorskip(
@@ -68,6 +70,38 @@ def test_the_program_is_the_plan_waypoint_by_waypoint(planned):
     assert np.all(np.array(takes) >= seconds - 2e-3), "no faster than the plan was timed"
     hands = re.findall(r"set_standard_digital_out\(3, (\w+)\)", text)
     assert hands == ["False", "True", "False"], "open, closed on the part, open at the place"
+
+
+def with_outputs(cell, *outputs):
+    """The cell with a tool whose TCPs have outputs of their own, or none."""
+    (arm,) = cell.arms
+    T = arm.tool.T_flange_tcp
+    tcps = tuple(Tcp(f"tcp{k}", T, (), output) for k, output in enumerate(outputs, start=1))
+    tool = replace(arm.tool, tcps=tcps, tcp=tcps[0].name)
+    return replace(cell, arms=(replace(arm, tool=tool),))
+
+
+@pytest.mark.parametrize(("tcp", "output"), [("", 3), ("tcp1", 3), ("tcp2", 5), ("tcp3", 0)])
+def test_the_program_switches_the_output_of_the_tcp_that_takes_the_part(planned, tcp, output):
+    cell, plan, approval = planned
+    cell = with_outputs(cell, None, 5, 0)
+    plan = replace(plan, arms=tuple(replace(arm, tcp=tcp) for arm in plan.arms))
+    text = program_of(cell, plan, approval, ProgramSettings(3, 0.25, 2.0)).text
+    hands = re.findall(r"set_standard_digital_out\((\d), (\w+)\)", text)
+    assert hands == [(str(output), state) for state in ("False", "True", "False")]
+
+
+def test_a_link_that_switches_no_outputs_refuses_them(planned):
+    cell, plan, _ = planned
+    assert misfit(plan, with_outputs(cell, None, 5)) is None
+    other = replace(cell, controller=controller_by("abb-socket"))
+    assert misfit(plan, with_outputs(other, None, None)) != misfit(
+        plan, with_outputs(other, None, 5)
+    )
+    assert link_problem(with_outputs(other, None, None)) is None
+    assert str(link_problem(with_outputs(other, None, 5))) == (
+        "the robot link abb-socket cannot switch the output of TCP tcp2; leave `output` out"
+    )
 
 
 def with_loads(plan):

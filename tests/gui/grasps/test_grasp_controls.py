@@ -32,6 +32,7 @@ from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary, GraspPair
 from workbench.model.part_edits import grasp_of
+from workbench.model.robot import Tcp
 from workbench.planning.grasps.firmness import Firmness, in_words
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspFinding
 
@@ -57,6 +58,7 @@ HAND = Grasp("side", pose_from_rpy((0, 0, 0.02)), 0.04, 0.03)
     "grasp",
     [
         replace(HAND, tool="suction_cup_of_another_cell"),
+        replace(HAND, tcp="of_another_cell"),
         replace(HAND, arms=("third",)),
         replace(HAND, arms=("left", "third")),
         replace(HAND, arms=("left", "right")),
@@ -72,6 +74,28 @@ def test_tools_and_arms_of_other_cells_are_left_alone(bench, visitor, grasp):
     fields._take()
     now = grasp_now(bench)
     assert (now.priority, now.tool, now.arms) == (5, grasp.tool, grasp.arms)
+    assert now.tcp == grasp.tcp
+
+
+def test_a_grasp_is_for_the_tcp_that_is_chosen_where_tools_name_some(bench, visitor):
+    with_grasps(bench, HAND)
+    fields = GraspFields(visitor, Editing(visitor))
+    fields.show(HAND, problem="")
+    assert not fields._tcp.visible
+    cell = bench.state.cell
+    tip = Tcp("tip", cell.arms[0].tool.T_flange_tcp)
+    arms = tuple(
+        replace(arm, tool=replace(arm.tool, tcps=(tip,), tcp="tip"), tools=()) for arm in cell.arms
+    )
+    bench.do(ChangeCell(replace(cell, arms=arms), "a name"), "Ada", Role.ENGINEER)
+    editing = Editing(visitor)
+    fields = GraspFields(visitor, editing)
+    fields.show(HAND, problem="")
+    assert fields._tcp.visible
+    fields._tcp.value = "tip"
+    fields._take()
+    assert grasp_now(bench).tcp == "tip"
+    assert editing.check(replace(HAND, tcp="")).tool == cell.arms[0].tool.name
 
 
 def test_boxes_say_which_arms_of_this_cell_may_use_a_grasp(bench, visitor):

@@ -9,8 +9,7 @@ import pytest
 from arm_scanner_cell import on_arm_cell, with_lower_view
 
 from workbench.model.cell import Cell
-from workbench.model.derived.by_view import by_each_view
-from workbench.model.derived.scan_views import scans_by_view
+from workbench.model.derived.by_view import by_each_view, scans_by_view
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.robot import ScannedView

@@ -11,7 +11,8 @@ import pinocchio as pin
 
 from workbench.app.core.people import MACHINES
 from workbench.app.core.state import State
-from workbench.model.cell import MOST_PICKS, ORDER_NAMES, Cell, PlanOverrides, picks_problem
+from workbench.model.cell import MOST_PICKS, ORDER_NAMES, Cell, PlanOverrides
+from workbench.model.derived.policies import picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import Floats
 from workbench.model.messages.commands import NameText

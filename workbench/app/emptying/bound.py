@@ -12,6 +12,7 @@ import numpy as np
 
 from workbench.model.candidate import Pick, Reason
 from workbench.model.cell import Cell
+from workbench.model.derived.by_tcp import by_each_tcp, by_taking
 from workbench.model.messages.message import Message
 from workbench.model.messages.parts import PileText
 from workbench.model.messages.states import LeftText
@@ -70,12 +71,12 @@ class AnyGrasp:
 def any_grasp(cell: Cell, lying: Sequence[Detection], number: int, *, seed: int) -> AnyGrasp:
     """Look for any grasp by which some arm takes a part as it lies among the others."""
     detections = tuple(lying)
-    world = World(cell, detections)
     part = cell.part(lying[number].part)
     tried = fits = holds = 0
     refused: Counter[Reason] = Counter()
-    for arm in cell.arms:
-        grips, clear = grips_of(part, arm.tool), clear_grips(cell, part, arm)
+    worlds = [World(each, detections) for each in by_each_tcp(cell)]
+    for world, arm in [(each, arm) for each in worlds for arm in each.cell.arms]:
+        grips, clear = grips_of(part, arm.tool), clear_grips(world.cell, part, arm)
         free = clear[world.tool_check.free(arm, number, grips.hands.some(clear))]
         found = [grasp for k in free.tolist() if (grasp := grips.grasp(k)) is not None]
         tried, fits, holds = tried + len(grips.hands.turn), fits + len(free), holds + len(found)
@@ -95,9 +96,11 @@ def holdable(cell: Cell, lying: Sequence[Detection], *, seed: int) -> int:
     An estimate of what a search by the arms, too, would find (`bound_of`), in a fraction of its
     time: whether an arm gets there is not asked, nor what comes free when others are gone.
     """
-    world = World(cell, tuple(lying))
+    worlds = [World(each, tuple(lying)) for each in by_each_tcp(cell)]
     rng = np.random.default_rng(seed)
-    return sum(_is_holdable(world, number, rng) for number in range(len(lying)))
+    return sum(
+        any(_is_holdable(world, number, rng) for world in worlds) for number in range(len(lying))
+    )
 
 
 def _is_holdable(world: World, number: int, rng: np.random.Generator) -> bool:
@@ -154,7 +157,7 @@ def _without(
     assert pick is not None
     if not settles:
         return tuple(detection for k, detection in enumerate(lying) if k != number)
-    chain = chain_of(cell, cell.arm(pick.candidate.arm))
+    chain = chain_of(cell, by_taking(cell, pick.candidate).arm(pick.candidate.arm))
     way = [chain.pose(q) * pick.T_tcp_part for q in np.asarray(pick.extract)]
     settled = unloaded(cell, lying, number, way)
     return tuple(

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import LIFT_NAMES, ORDER_NAMES, Arm, Cell, Finger, Tool
+from workbench.model.derived.by_tcp import with_tcp_at
 from workbench.model.geometry import Box, Solid, pose_from_rpy
 from workbench.model.messages.changes import ChangeText
 from workbench.model.messages.message import Message
@@ -129,7 +130,7 @@ def _longer(cell: Cell, by: float) -> Cell | None:
         T, out = tool.T_flange_tcp, tool.T_flange_tcp.rotation[:, 2]
         longer = _with_fingers(tool, lambda finger: out, by)
         tcp = pin.SE3(T.rotation, T.translation + by * out)
-        return None if longer is None else replace(longer, T_flange_tcp=tcp)
+        return None if longer is None else with_tcp_at(longer, tcp)
 
     return _with_tools(cell, edit)
 

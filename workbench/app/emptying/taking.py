@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell, Policy
+from workbench.model.derived.by_tcp import by_taking
 from workbench.model.part import Grasp
 from workbench.model.plan import ArmPlan, LegName, Plan
 from workbench.model.scan import Detection
@@ -64,7 +65,7 @@ def carried_out(
         arm_plan: what it does.
         meant: the part that it goes to, as it was found.
     """
-    part = meant.part
+    part, cell = meant.part, by_taking(cell, arm_plan)
     world = World(cell, tuple(truth), policy=_without_margins(cell))
     chain = world.chains[arm_plan.arm]
     q_grasp = np.asarray(arm_plan.leg("approach").q[-1])

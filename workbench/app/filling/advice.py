@@ -92,7 +92,8 @@ def _cup(tool: Tool) -> Tool:
     """A slim cup where the fingers of a tool end."""
     back = pin.SE3(np.eye(3), np.array([0.0, 0.0, -REACH / 2]))
     body = Solid("cup", Cylinder(CUP / 2, REACH), tool.T_flange_tcp * back)
-    return replace(tool, name=f"{tool.name}-cup", fingers=(), body=(body,), stroke=(0.0, 0.0))
+    bare = replace(tool, fingers=(), stroke=(0.0, 0.0), tcps=(), tcp="")
+    return replace(bare, name=f"{tool.name}-cup", body=(body,))
 
 
 def _in_bin(cell: Cell, other: Cell, pile: Sequence[Detection]) -> tuple[Detection, ...]:

@@ -28,7 +28,8 @@ def make_found_commands(cell: Cell, plan: Plan) -> list[EditPart]:
         grasp = widen_grasp(grasp, -(part.tolerance or 0.0))
         taken = {entry.name for entry in (*part.library.entries, *entries)}
         tool = cell.arm(arm_plan.arm).tool.name
-        entries.append(replace(grasp, name=make_name(part, grasp, taken), tool=tool))
+        name_of_grip = make_name(part, grasp, taken)
+        entries.append(replace(grasp, name=name_of_grip, tool=tool, tcp=arm_plan.tcp))
     return [
         EditPart(
             name,

@@ -9,6 +9,7 @@ from workbench.app.filling.families import Family, Grower, family_of
 from workbench.app.filling.round_bodies import round_bodies
 from workbench.app.filling.work import FIT, PIECE, WAY, Work
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_tcp import is_for
 from workbench.model.geometry import Bools
 from workbench.model.part import Entry, Grasp, Part, widen_grasp
 from workbench.model.part_edits import grasp_of
@@ -129,6 +130,7 @@ def _is_for(part: Part, entry: Entry, arms: tuple[Arm, ...]) -> bool:
     return (
         grasp.is_enabled
         and grasp.tool in ("", arms[0].tool.name)
+        and is_for(grasp, arms[0].tool)
         and (not grasp.arms or any(arm.name in grasp.arms for arm in arms))
         and (not arms[0].tool.fingers or low <= grasp.opening <= high)
     )

@@ -18,6 +18,7 @@ from workbench.app.picking.sightlines import sees_from
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Cell
 from workbench.model.derived.assembling import assembled_kinds
+from workbench.model.derived.by_tcp import by_plan
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.part import Bin
 from workbench.model.plan import ArmPlan, Plan, Proof, Proven
@@ -114,9 +115,10 @@ def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
     later plan takes them.
     """
     kinematics, assembled = Kinematics(cell), assembled_kinds(cell)
+    by = by_plan(cell, plan)
     placed: list[Detection] = []
     for arm_plan in plan.picks:
-        arm, found = cell.arm(arm_plan.arm), plan.detections[arm_plan.detection]
+        arm, found = by.arm(arm_plan.arm), plan.detections[arm_plan.detection]
         if arm.keeps_parts or arm_plan.station or found.part in assembled:
             T = stands_on_station(cell, plan, arm_plan)
             if T is None:

@@ -8,6 +8,7 @@ What is refused here planning refuses, too; the ways there and back are left to 
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,10 +17,11 @@ import pinocchio as pin
 from workbench.app.picking.pipeline import NOTHING
 from workbench.model.candidate import Reason, Verdict
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_tcp import by_each_tcp, is_for_another
 from workbench.model.geometry import Bools, Floats, Ints, put
 from workbench.model.messages.message import Message
 from workbench.model.part import Grasp, with_symmetry
-from workbench.model.scan import Obstacle
+from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.hands import turns_of
 from workbench.planning.collision.legs import grips, hand_turns
 from workbench.planning.collision.world import World
@@ -97,6 +99,27 @@ def _otherwise(value: T, **others: Any) -> T:
     return made
 
 
+def glance_by_each_tcp(
+    cell: Cell,
+    detections: tuple[Detection, ...],
+    obstacles: tuple[Obstacle, ...],
+    avoided: Mapping[int, Message] = NOTHING,
+) -> Glance:
+    """As `glance_at`, by one TCP of the tools after the other."""
+    worlds = [World(each, detections, obstacles) for each in by_each_tcp(cell)]
+    found = [glance_at(world, avoided=avoided) for world in worlds]
+    return Glance(
+        np.concatenate([each.detections for each in found]),
+        tuple(chain.from_iterable(each.grasps for each in found)),
+        tuple(chain.from_iterable(each.arms for each in found)),
+        tuple(chain.from_iterable(each.reasons for each in found)),
+        np.concatenate([each.is_apart for each in found]),
+        np.concatenate([each.tips for each in found]),
+        np.concatenate([each.approaches for each in found]),
+        obstacles,
+    )
+
+
 def glance_at(world: World, *, avoided: Mapping[int, Message] = NOTHING, seed: int = 0) -> Glance:
     """All candidates that planning looks at first, judged up to reach and place.
 
@@ -113,7 +136,10 @@ def glance_at(world: World, *, avoided: Mapping[int, Message] = NOTHING, seed: i
     tips, approaches = [np.zeros((0, 3))], [np.zeros((0, 3))]
     reach = {arm.name: _Reach(world, arm, seed) for arm in world.cell.arms}
     for numbers, arm in groups(world, by_part):
-        every = by_part[world.detections[numbers[0]].part]
+        all_grasps = by_part[world.detections[numbers[0]].part]
+        every = tuple(grasp for grasp in all_grasps if not is_for_another(grasp, arm.tool))
+        if not every:
+            continue
         hands = try_grasps(world, numbers, every, arm)
         for n, number in enumerate(numbers):
             detections += [number] * len(every)

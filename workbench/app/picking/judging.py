@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import LIFT_NAMES, Cell, Policy
+from workbench.model.derived.by_tcp import by_each_tcp
 from workbench.model.derived.policies import widened
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.message import Message
@@ -165,18 +166,21 @@ def judge(
         )
 
     def judged_by(policy: Policy) -> Judged:
-        world, judged = World(cell, detections, obstacles, policy), Judged()
-        look(world, propose(world, looked=count), judged)
+        judged = Judged()
+        for each_cell in by_each_tcp(cell):
+            world = World(each_cell, detections, obstacles, policy)
+            look(world, propose(world, looked=count), judged)
         return judged
 
     judged = judged_by(cell.policy)
     if not judged.picks and may_widen(cell, cell.policy, judged.candidates):
         wider = judged_by(widened(cell.policy))
         judged = wider if wider.picks else judged
-    world = World(cell, detections, obstacles, searching_policy(cell.policy))
     taken = {pick.candidate.detection for pick in judged.picks}
-    for number, detection in enumerate(detections):
-        if number not in taken and cell.part(detection.part).library.searches:
-            for round in range(len(ROUNDS)):
-                look(world, search_candidates(world, number, round, looked=count), judged)
+    for each_cell in by_each_tcp(cell):
+        world = World(each_cell, detections, obstacles, searching_policy(cell.policy))
+        for number, detection in enumerate(detections):
+            if number not in taken and cell.part(detection.part).library.searches:
+                for round in range(len(ROUNDS)):
+                    look(world, search_candidates(world, number, round, looked=count), judged)
     return tuple(judged.candidates)

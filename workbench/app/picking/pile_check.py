@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from workbench.model.cell import Cell
 from workbench.model.derived.by_recipe import kit_of, parts_in_turn
+from workbench.model.derived.by_tcp import has_tcp
 from workbench.model.errors import InputError
 from workbench.model.messages.message import Message
 from workbench.model.messages.parts import PileText
@@ -60,6 +61,8 @@ def _check_grasps(cell: Cell, part: Part) -> None:
             elif grasp.tool and grasp.tool != arm.tool.name:
                 carried = {"arm": arm.name, "carried": arm.tool.name}
                 reasons[PileText.FOR_TOOL(tool=grasp.tool, **carried)] += 1
+            elif not has_tcp(arm.tool, grasp.tcp):
+                reasons[PileText.FOR_TCP(tcp=grasp.tcp, tool=arm.tool.name)] += 1
             elif arm.tool.fingers and not low <= grasp.opening <= high:
                 stroke = {"tool": arm.tool.name, "low": low, "high": high}
                 reasons[PileText.OPENING(opening=grasp.opening, **stroke)] += 1

@@ -15,8 +15,9 @@ from workbench.app.picking.judging import (
     searching_policy,
 )
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
-from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.cell import Cell, PlanOverrides, Policy
 from workbench.model.derived.by_recipe import check_strategy
+from workbench.model.derived.by_tcp import by_each_tcp
 from workbench.model.derived.policies import widened
 from workbench.model.derived.row_parts import count_taken
 from workbench.model.errors import InputError
@@ -77,7 +78,8 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     when no plan comes out of those before them, or one for fewer arms than could work; where one
     arm has work already, they get no more than half of the time.  Where no plan comes out of all,
     grips are searched for one part after the other, from the top, of those kinds whose library says
-    so; and then the grasps are tried by `widened`, unless the policy says not to.
+    so; and then the grasps are tried by `widened`, unless the policy says not to.  Each time the
+    first TCPs of the tools are tried, and others where no plan comes out of those before.
 
     Args:
         cell: with its parts and policy.
@@ -117,19 +119,18 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
         processor_time() + policy.seconds,
     )
     scene = Scene(scan_digest, detections, obstacles)
-    world = World(cell, detections, obstacles, policy)
-    result = _plan(world, scene, asked, _Stages(), _library_levels(cell))
+    result = _plan_by_each(cell, policy, scene, asked, _Stages(), _library_levels(cell))
     levels = _search_levels(cell, detections, avoided)
     if levels and not _holds(result):
         asked = replace(asked, report=within(report, FIRST, SEARCHED))
-        world = World(cell, detections, obstacles, searching_policy(policy))
-        found = _plan(world, scene, asked, _after(result), levels, tries=PROVEN_TRIES)
+        by, stages = searching_policy(policy), _after(result)
+        found = _plan_by_each(cell, by, scene, asked, stages, levels, tries=PROVEN_TRIES)
         found = replace(found, candidates=(*result.candidates, *found.candidates))
         result = _better(result, found)
     if result.plan is None and may_widen(cell, policy, result.candidates):
         asked = replace(asked, report=within(report, SEARCHED, 1.0))
-        world = World(cell, detections, obstacles, widened(policy))
-        wider = _plan(world, scene, asked, _after(result), _library_levels(cell))
+        by, stages = widened(policy), _after(result)
+        wider = _plan_by_each(cell, by, scene, asked, stages, _library_levels(cell))
         result = result if wider.plan is None else _better(result, wider)
     return result
 
@@ -177,6 +178,40 @@ def _search_levels(
         for round in range(len(ROUNDS))
         for _, number in sorted(lying, reverse=True)
     ]
+
+
+def _plan_by_each(
+    cell: Cell,
+    policy: Policy,
+    scene: Scene,
+    asked: _Asked,
+    stages: "_Stages",
+    levels: Sequence[Level],
+    *,
+    tries: int = 1,
+) -> PlanResult:
+    """As `_plan`, by the TCPs of the tools, until a plan holds; with all candidates till then."""
+    best: PlanResult | None = None
+    judged: tuple[Candidate, ...] = ()
+    cells, report = by_each_tcp(cell), asked.report
+    share = 1 / len(cells)
+    for number, each_cell in enumerate(cells):
+        world = World(each_cell, scene.detections, scene.obstacles, policy)
+        asked = replace(asked, report=within(report, number * share, (number + 1) * share))
+        found = _plan(world, scene, asked, stages, levels, tries=tries)
+        judged, stages = (*judged, *found.candidates), _after(found)
+        best = found if best is None else _further(best, found)
+        if _holds(best) or processor_time() > asked.deadline:
+            break
+    assert best is not None
+    return replace(best, candidates=judged, seconds=stages.seconds)
+
+
+def _further(result: PlanResult, later: PlanResult) -> PlanResult:
+    """The better one; where neither has a plan, the one whose verdict came further."""
+    if result.plan is None and later.plan is None:
+        return max(result, later, key=lambda each: list(Stage).index(each.verdict.stage))
+    return _better(result, later)
 
 
 def _plan(

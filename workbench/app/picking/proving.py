@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from workbench.formats.plans.certificates import Certificate
 from workbench.model.cell import Cell
+from workbench.model.derived.by_tcp import has_tcp, with_tcp
 from workbench.model.digest import digest_of
 from workbench.model.load import loads_of
 from workbench.model.plan import ArmPlan, Plan, Proof
@@ -110,7 +111,10 @@ def _with_loads(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> ArmPlan:
     # What the cell does not have, the proof objects to.
     if arm_plan.loads is not None or part is None or arm is None:
         return arm_plan
-    return replace(arm_plan, loads=loads_of(arm.tool, part, arm_plan.T_tcp_part))
+    if not has_tcp(arm.tool, arm_plan.tcp):
+        return arm_plan
+    tool = with_tcp(arm.tool, arm_plan.tcp)
+    return replace(arm_plan, loads=loads_of(tool, part, arm_plan.T_tcp_part))
 
 
 def check(cell: Cell, certificate: Certificate, scan: Scan | None = None) -> Proof:

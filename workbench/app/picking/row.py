@@ -9,7 +9,8 @@ from workbench.app.picking.facts import put_down
 from workbench.app.picking.pipeline import NOTHING, best_of, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.app.picking.regrasp import plan_regrasp
-from workbench.model.cell import MOST_PICKS, Cell, picks_problem
+from workbench.model.cell import MOST_PICKS, Cell
+from workbench.model.derived.policies import picks_problem
 from workbench.model.derived.row_parts import renumber
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.message import Message

@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell, Fixture, ScannerMount
+from workbench.model.derived.by_tcp import by_plan
 from workbench.model.geometry import Floats, Mesh, Solid
 from workbench.model.plan import LegName, Plan
 from workbench.planning.collision.legs import Stretch, stretches
@@ -46,7 +47,7 @@ def sees_from(cell: Cell, plan: Plan) -> int:
     # from one of the two ends of its way, which are both looked at, or from its middle.
     room = ROOM + max(arm.tool.stroke[1] / 4 for arm in cell.arms)
     policy = replace(cell.policy, margin=room, near_margin=room)
-    world = World(seen, plan.detections, (), policy)
+    world = World(by_plan(seen, plan), plan.detections, (), policy)
     first = 0
     steps = list(enumerate(stretches(plan), 1))
     for number, stretch in reversed(steps):

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.candidate import Pick, Reason, Verdict
+from workbench.model.candidate import Candidate, Pick, Reason, Verdict
 from workbench.model.cell import Cell, Policy
+from workbench.model.derived.by_tcp import by_each_tcp
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
@@ -125,20 +126,28 @@ class StationSearch:
 
     def _picks(self, world: World, number: int, refusals: list[Verdict]) -> Iterator[Pick]:
         """The first picks of a part that work; what is said of those that do not is added."""
-        world.deadline, count = self.until, 0
-        for candidate in propose(world):
+        count = 0
+        for candidate, at in self._proposed(world):
             if self.cancelled():
                 raise JobCancelled(CancelText.PLANNING())
             if processor_time() > self.until or count == ENOUGH:
                 return
             is_asked = candidate.detection == number and candidate.arm in self.arms
             if is_asked and candidate.verdict.is_ok:
-                result = resolve(world, candidate, seed=self.seed)
+                result = resolve(at, candidate, seed=self.seed)
                 if isinstance(result, Pick):
                     count += 1
                     yield result
                 else:
                     refusals.append(result)
+
+    def _proposed(self, world: World) -> Iterator[tuple[Candidate, World]]:
+        """The candidates by one TCP of the tools after the other, each with its world."""
+        for cell in by_each_tcp(world.cell):
+            if cell is not world.cell:
+                world = World(cell, world.detections, world.obstacles, self.policy)
+            world.deadline = self.until
+            yield from ((candidate, world) for candidate in propose(world))
 
 
 def station_problems(cell: Cell) -> Iterator[Message]:

@@ -252,7 +252,8 @@ def _other_plan(kept: Plan, again: Plan) -> str:
     if kept.strategy != again.strategy or kept.guarantee is not again.guarantee:
         return f"{again.strategy}, {again.guarantee} instead of {kept.strategy}, {kept.guarantee}"
     ours, theirs = (
-        [(arm.arm, arm.detection, arm.grasp) for arm in plan.arms] for plan in (kept, again)
+        [(arm.arm, arm.detection, arm.grasp, arm.tcp) for arm in plan.arms]
+        for plan in (kept, again)
     )
     if ours != theirs:
         return "other picks"

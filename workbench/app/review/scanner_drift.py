@@ -17,7 +17,7 @@ from workbench.app.records.session_archive import open_journal
 from workbench.app.records.sessions import cell_of
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.cell import Cell
-from workbench.model.derived.scan_views import scans_by_view
+from workbench.model.derived.by_view import scans_by_view
 from workbench.model.derived.scanner_poses import with_calibrated_scanner
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError, JournalError

@@ -112,8 +112,7 @@ class LinkRunner:
         self._wanted = self._told = 0
         self._runs: queue.SimpleQueue[tuple[Sending, Approval] | None] = queue.SimpleQueue()
         # The sending that goes on, and the same where the reports alone say what is done.
-        self._going: Sending | None = None
-        self._run: Sending | None = None
+        self._going = self._run = cast(Sending | None, None)
         self._current: Sending | None = None
         self._used: set[str] = set()
         self._status = LinkStatus()
@@ -175,8 +174,7 @@ class LinkRunner:
         except Exception as error:
             # Whatever it is, the sending must not seem to go on for ever.
             log.exception("the end of a sending cannot be told as it was")
-            # The next plan of the row may wait already.
-            run.stopped.set()
+            run.stopped.set()  # the next plan of the row may wait already
             self._going = self._run = None
             # A text that no journal can hold may have been the reason.
             text = str(fault or internal_error(error))

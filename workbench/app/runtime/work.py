@@ -12,7 +12,7 @@ from workbench.app.core.cycle.arm_scanner import view_problem
 from workbench.app.core.cycle.correcting import CORRECT
 from workbench.app.emptying.film import Filmed
 from workbench.app.picking.exactness import with_exactness
-from workbench.app.picking.glance import Glance, apply_change, glance_at
+from workbench.app.picking.glance import Glance, apply_change, glance_by_each_tcp
 from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.row import plan_row
@@ -37,7 +37,6 @@ from workbench.perception.parts.sizing import ROUNDS, learn_sizes, offset_of
 from workbench.perception.scene.merging import merged
 from workbench.perception.scene.own_robot import without_robot
 from workbench.perception.scene.unexplained import look_around, unexplained
-from workbench.planning.collision.world import World
 from workbench.planning.placing.assembling import base_errors
 from workbench.plugins.localizer import find_parts as localized
 from workbench.plugins.progress import Cancelled, Report
@@ -236,8 +235,9 @@ def glance(
         scan, found, placed = arguments["around"]
         seen = () if scan is None else unexplained(cell, scan, found)
         obstacles = (*seen, *boxes_around(cell, placed))
-    world = World(apply_change(cell, arguments["change"]), arguments["detections"], obstacles)
-    return glance_at(world, avoided=dict(arguments["avoided"]))
+    changed = apply_change(cell, arguments["change"])
+    avoided = dict(arguments["avoided"])
+    return glance_by_each_tcp(changed, arguments["detections"], obstacles, avoided)
 
 
 def emptying(

@@ -15,8 +15,9 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.meshes.repair import SurfaceReport, examine_surface, joined_corners
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
+from workbench.model.derived.by_tcp import is_for, tcp_names, with_tcp
 from workbench.model.geometry import Floats, finest
-from workbench.model.part import Part
+from workbench.model.part import Grasp, Part
 from workbench.planning.grasps.coverage import Coverage, coverage
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
 from workbench.planning.grasps.part_symmetry import (
@@ -129,14 +130,24 @@ def _grasp_checks(part: Part, cell: Cell) -> dict[str, list[GraspCheck]]:
     """For each arm that may use them, every grasp's check with its tool."""
     checks: dict[str, list[GraspCheck]] = {}
     for arm in cell.arms:
-        checker = GraspChecker(part, arm.tool, hand_acceleration(cell, arm))
+        acceleration = hand_acceleration(cell, arm)
+        tools = [with_tcp(arm.tool, name) for name in tcp_names(arm.tool)]
+        checkers = [GraspChecker(part, tool, acceleration) for tool in tools]
         checks[arm.name] = [
-            checker.check(grasp)
+            _best_check(checkers, grasp)
             for grasp in part.library.grasps
             if (not grasp.arms or arm.name in grasp.arms)
             and (not grasp.tool or grasp.tool == arm.tool.name)
         ]
     return checks
+
+
+def _best_check(checkers: list[GraspChecker], grasp: Grasp) -> GraspCheck:
+    """The check of a grasp with the first TCP that it is good with, or else with the first one."""
+    found = [c.check(grasp) for c in checkers if is_for(grasp, c.tool)] or [
+        checkers[0].check(grasp)
+    ]
+    return next((check for check in found if check.is_ok), found[0])
 
 
 def _print_grasps(checks: dict[str, list[GraspCheck]], covered: Coverage) -> None:

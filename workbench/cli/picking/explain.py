@@ -92,7 +92,7 @@ def explain(typed: arguments.Explain) -> int:
         print_table("where they fell", ("stage", "entered", "refused", "why"), rows)
         for candidate, budget in sure:
             part = f"part-{candidate.detection + 1}"
-            print(f"{part} by {candidate.grasp.name} with {candidate.arm}: {budget.words}")
+            print(f"{part} by {candidate.grasp_label} with {candidate.arm}: {budget.words}")
         for blocker in blockers(cell, candidates)[:MOST_BLOCKERS]:
             print(_blocker_words(blocker))
         for change, parts in fixes[:MOST_FIXES]:
@@ -126,6 +126,7 @@ def _sure_form(candidate: Candidate, budget: Budget) -> dict[str, object]:
         "detection": candidate.detection,
         "grasp": candidate.grasp.name,
         "arm": candidate.arm,
+        **({"tcp": candidate.tcp} if candidate.tcp else {}),
         "shift_mm": round(budget.shift * 1000, 3),
         "turn_deg": round(float(np.rad2deg(budget.turn)), 3),
         "confidence": SURE,

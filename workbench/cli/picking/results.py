@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from workbench.cli.terminal import milliseconds, print_table
-from workbench.model.candidate import Candidate, Verdict
+from workbench.model.candidate import Candidate, Verdict, label_grasp
 from workbench.model.derived.row_parts import parts_taken, renumber
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.plans import cycle_words
@@ -30,6 +30,7 @@ def candidate_form(candidate: Candidate) -> dict[str, Any]:
         "detection": candidate.detection,
         "grasp": candidate.grasp.name,
         "arm": candidate.arm,
+        **({"tcp": candidate.tcp} if candidate.tcp else {}),
         **verdict_form(candidate.verdict),
     }
 
@@ -41,7 +42,9 @@ def plan_form(plan: Plan, bound: float) -> dict[str, Any]:
         "strategy": str(plan.strategy),
         "guarantee": str(plan.guarantee),
         "arms": [
-            {"arm": arm.arm, "detection": arm.detection, "grasp": arm.grasp} for arm in plan.picks
+            {"arm": arm.arm, "detection": arm.detection, "grasp": arm.grasp}
+            | ({"tcp": arm.tcp} if arm.tcp else {})
+            for arm in plan.picks
         ],
         "cycle_s": round(plan.cycle_seconds, 3),
         "bound_s": round(bound, 3),
@@ -80,7 +83,7 @@ def plan_words(plan: Plan, bound: float, first: Plan | None = None) -> str:
     """
     first = first or plan
     taken = ", ".join(
-        f"{arm.arm} {FoundPart(part)} by {arm.grasp}"
+        f"{arm.arm} {FoundPart(part)} by {label_grasp(arm.grasp, arm.tcp)}"
         for part, arm in zip(parts_taken(first, plan), plan.picks, strict=True)
     )
     taken = taken or "scanner between home and view"
@@ -111,7 +114,7 @@ def print_candidates(title: str, candidates: Sequence[Candidate]) -> None:
     rows = (
         (
             f"part-{candidate.detection + 1}",
-            candidate.grasp.name,
+            candidate.grasp_label,
             candidate.arm,
             str(candidate.verdict.stage.message),
             str(candidate.verdict),

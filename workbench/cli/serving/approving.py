@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from workbench.app.core.cycle.standing import moved_away
 from workbench.app.records.approvals import SHORTEST
+from workbench.model.candidate import label_grasp
 from workbench.model.cell import Cell
 from workbench.model.derived.row_parts import label_in, parts_taken
 from workbench.model.digest import digest_of
@@ -59,7 +60,7 @@ def facts_of(
     facts = {"Plan": plan.digest, "Cell": f"{cell.name} {cell.digest[:SHORTEST]}"}
     for part, arm in zip(parts_taken(first, plan), plan.picks, strict=True):
         kind = plan.detections[arm.detection].part
-        takes = f"{FoundPart(part)} ({kind}), grasp {arm.grasp}"
+        takes = f"{FoundPart(part)} ({kind}), grasp {label_grasp(arm.grasp, arm.tcp)}"
         facts[f"Arm {arm.arm}"] = takes + (f", to station {arm.station}" if arm.station else "")
     kept = sum(bool(obstacle.part) for obstacle in plan.obstacles)
     known = f"{len(plan.detections)} parts, {len(plan.obstacles) - kept} unknown things: {basis}"

@@ -94,7 +94,10 @@ def _pose_words(cell: Cell, q: Floats) -> list[str]:
 
 
 def _hand_pose(cell: Cell, arm: Arm, q: Floats, *, frame: str, pose_of: str) -> pin.SE3:
-    """The pose of an arm's TCP or flange at `q` (n,) [rad, m] in the robot's base or the world."""
+    """The pose of an arm's TCP or flange at `q` (n,) [rad, m] in the robot's base or the world.
+
+    The TCP is the first one of the tool, whichever takes the part: the robot's program knows it.
+    """
     values = dict(zip(arm.joints, map(float, q), strict=True))
     T = cell.robot.link_poses(values)[arm.flange]
     if pose_of == "tcp":

@@ -40,7 +40,9 @@ class UrRtde:
             True, says="set_target_payload with inertia; false: set_payload, as old controllers do"
         )
 
-    motion = MotionModel("ur-rtde", corners="stop", unit="rad", decimals=6, takes_loads=True)
+    motion = MotionModel(
+        "ur-rtde", corners="stop", unit="rad", decimals=6, takes_loads=True, takes_outputs=True
+    )
 
     tells_of_parts = False
     """What became of parts is not reported, only that the program has ended."""
@@ -151,7 +153,14 @@ class UrRtdeBlend(UrRtde):
             50.0, low=0.0, high=500.0, says="largest radius at the flange of a blend [mm]"
         )
 
-    motion = MotionModel("ur-rtde-blend", corners="blend", unit="rad", decimals=6, takes_loads=True)
+    motion = MotionModel(
+        "ur-rtde-blend",
+        corners="blend",
+        unit="rad",
+        decimals=6,
+        takes_loads=True,
+        takes_outputs=True,
+    )
 
     def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
         options = options_of(self.Options, cell.controller.options)
@@ -181,6 +190,7 @@ class UrRtdeServo(UrRtde):
         period=PERIOD,
         takes_share=True,
         takes_loads=True,
+        takes_outputs=True,
     )
 
     def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:

@@ -18,6 +18,7 @@ from workbench.devices.universal_robots.rtde import ALIVE, BEGUN, PROGRESS, REFU
 from workbench.devices.universal_robots.servo import Servo, references_of, stream_of
 from workbench.devices.universal_robots.urscript import FLANGE, Line, seconds_of
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_tcp import by_taking, current_tcp
 from workbench.model.derived.point_speeds import PointSpeeds, speeds_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
@@ -62,11 +63,11 @@ class UrProgram:
 class ProgramSettings:
     """What a program takes from the link's options.
 
-    Digital output `output` closes the gripper, or turns on the suction, which needs `grip_seconds`
-    [s].  The controller stops when nobody writes `ALIVE` for `silence` [s].  `blend` [m] is the
-    largest blend radius; at 0 the robot stops at each waypoint.  `servo` says how references along
-    each leg are followed, where they are streamed.  `sends_inertia` goes by `set_target_payload`;
-    older controllers have `set_payload` alone.
+    Digital output `output`, unless the TCP has its own, closes the gripper, or turns on the
+    suction, which needs `grip_seconds` [s].  The controller stops when nobody writes `ALIVE` for
+    `silence` [s].  `blend` [m] is the largest blend radius; at 0 the robot stops at each waypoint.
+    `servo` says how references along each leg are followed, where they are streamed.
+    `sends_inertia` goes by `set_target_payload`; older controllers have `set_payload` alone.
     """
 
     output: int
@@ -99,6 +100,8 @@ def program_of(cell: Cell, plan: Plan, approval: Approval, settings: ProgramSett
         f"  write_output_integer_register({PROGRESS}, {ticket})",
         f'  rtde_set_watchdog("input_int_register_{ALIVE}", {1 / settings.silence:.3f}, "stop")',
     ]
+    tcp = current_tcp(by_taking(cell, plan.arm(arm.name)).arm(arm.name).tool)
+    output = settings.output if tcp.output is None else tcp.output
     flange = Flange(cell, arm) if blend and cell.zone else None
     if flange is not None:
         lines.append(f"  set_tcp({FLANGE})")
@@ -114,7 +117,7 @@ def program_of(cell: Cell, plan: Plan, approval: Approval, settings: ProgramSett
             lines.append(f"  write_output_integer_register({PROGRESS}, {ticket + len(legs)})")
             if leg.holding is not holding:
                 holding = leg.holding
-                lines.append(f"  set_standard_digital_out({settings.output}, {holding})")
+                lines.append(f"  set_standard_digital_out({output}, {holding})")
                 lines.append(f"  sleep({settings.grip_seconds:.3f})")
                 if (loads := plan.arm(arm.name).loads) is not None:
                     lines.append(_payload(loads.carried(holding), settings.sends_inertia))

@@ -12,6 +12,7 @@ from workbench.extras.klampt.worlds import Snapshot, WorldPart, robot_with_tools
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan
 from workbench.model.cell import Cell
+from workbench.model.derived.by_tcp import by_plan, from_current_tcp
 from workbench.model.errors import InputError
 from workbench.model.plan import Plan
 from workbench.planning.collision.bodies import part_label
@@ -40,6 +41,7 @@ def export_world(typed: arguments.ExportWorld) -> int:
 
 def _snapshots(cell: Cell, plan: Plan) -> Iterator[tuple[str, Snapshot]]:
     """The cell at every leg, named by its number, arm and leg."""
+    by = by_plan(cell, plan)
     placed = [
         WorldPart(part_label(number), cell.part(detection.part), detection.T_world_part)
         for number, detection in enumerate(plan.detections)
@@ -47,12 +49,16 @@ def _snapshots(cell: Cell, plan: Plan) -> Iterator[tuple[str, Snapshot]]:
     for number, stretch in enumerate(stretches(plan), start=1):
         phase = stretch.phase
         held = {
-            arm: WorldPart(placed[detection].name, placed[detection].part, T_tcp_part)
+            arm: WorldPart(
+                placed[detection].name,
+                placed[detection].part,
+                from_current_tcp(cell.arm(arm).tool, by.arm(arm).tool.tcp) * T_tcp_part,
+            )
             for arm, (detection, T_tcp_part) in phase.held.items()
         }
         away = {detection for detection, _ in phase.held.values()}
         put = {
-            detection: chain_of(cell, cell.arm(arm)).pose(q) * T_tcp_part
+            detection: chain_of(cell, by.arm(arm)).pose(q) * T_tcp_part
             for arm, (detection, T_tcp_part, q) in phase.placed.items()
         }
         parts = tuple(

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.candidate import Candidate, Verdict
+from workbench.model.candidate import Candidate, Verdict, label_grasp
 from workbench.model.plan import Plan, Proof
 from workbench.model.scan import Scan
 
@@ -210,7 +210,7 @@ def plan_message(at: float, plan: Plan, proof: Proof | None) -> Json:
                 "arm": arm.arm,
                 "detection": arm.detection,
                 "part": plan.detections[arm.detection].part if arm.takes_part else "",
-                "grasp": arm.grasp,
+                "grasp": label_grasp(arm.grasp, arm.tcp),
                 "joints": list(arm.joints),
                 "legs": [
                     {
@@ -248,7 +248,7 @@ def verdicts(at: float, verdict: Verdict, candidates: Iterable[Candidate]) -> Js
         "candidates": [
             {
                 "detection": candidate.detection,
-                "grasp": candidate.grasp.name,
+                "grasp": candidate.grasp_label,
                 "arm": candidate.arm,
                 "rank": float(candidate.rank),
                 "pose": _pose(candidate.T_world_tcp),

@@ -16,6 +16,7 @@ from workbench.formats.cells.devices import (
 )
 from workbench.formats.cells.places import check_kinds, read_bins, read_stations
 from workbench.formats.cells.recipes import check_recipes, read_recipes
+from workbench.formats.cells.tools import check_grasp_tcps
 from workbench.formats.files.shipped import exists, find
 from workbench.formats.files.toml_keys import Table, read_toml
 from workbench.formats.meshes.solids import read_pose, read_solid
@@ -33,17 +34,15 @@ from workbench.model.cell import (
     LiftName,
     Policy,
     ScannerMount,
-    picks_problem,
 )
 from workbench.model.derived.by_view import with_view
-from workbench.model.derived.contact_energy import effective_mass
-from workbench.model.derived.policies import POLICIES
-from workbench.model.derived.speed_limits import limits_speed
+from workbench.model.derived.policies import POLICIES, picks_problem
+from workbench.model.derived.speed_limits import effective_mass, limits_speed
 from workbench.model.errors import FileError, InputError
 from workbench.model.part import Part
 from workbench.model.robot import Link, Robot
 from workbench.model.scan import LocalizerChoice, PosesFolder
-from workbench.plugins.misfit import mapping_problem
+from workbench.plugins.misfit import link_problem
 from workbench.plugins.planner import planner_names
 from workbench.plugins.robot_link import (
     controller_by,
@@ -117,7 +116,7 @@ def read_cell(name: str | Path) -> Cell:
     )
     with refused_at(table, "controller.protocol"):
         link_named(cell.controller.link).check(cell)
-        if problem := mapping_problem(cell):
+        if problem := link_problem(cell):
             raise InputError(problem)
     _check_speeds(table, cell)
     with refused_at(table, "scanner.source"):
@@ -126,6 +125,7 @@ def read_cell(name: str | Path) -> Cell:
         raise table.error("parts", "names no part; at least one is needed")
     names = [part.name for part in cell.parts]
     table.once("parts", names)
+    check_grasp_tcps(table, cell)
     if cell.poses_folder is not None and cell.poses_folder.part not in ("", *names):
         raise table.error("detections.part", f"is not one of {', '.join(names)}")
     for arm in cell.arms:

@@ -17,7 +17,7 @@ from workbench.formats.cells.devices import read_localizer
 from workbench.formats.cells.places import read_bin, read_places, read_stations
 from workbench.formats.cells.reading import read_cell, read_poses_folder
 from workbench.formats.cells.recipes import OF_INSERTION, read_recipes
-from workbench.formats.cells.tools import LOAD_KEYS
+from workbench.formats.cells.tools import LOAD_KEYS, read_tcp
 from workbench.formats.files.shipped import find
 from workbench.formats.files.toml_keys import NOTES, Notes, Table
 from workbench.formats.meshes.solids import read_solid
@@ -145,6 +145,7 @@ def cell_schema() -> dict[str, Any]:
         _read_solids()
         file = Path("cell.toml")
         read_bin(Table(file, A_BIN, "bin."))
+        read_tcp(Table(file, {"name": "left"}, "tool[].tcp."))
         read_dh(Table(file, A_TABLE, "robot.dh."), "robot")
         read_record(Table(file, A_RECORD, "scanner.calibration."))
         read_poses_folder(Table(file, {"path": "poses"}, "detections."))
@@ -255,7 +256,8 @@ def schema_text() -> str:
     schema = cell_schema()
     tables = schema["properties"]
     on_arm = tables["scanner"]["properties"]["on_arm"]["properties"]
-    for owner, key in ((tables, "bin"), (on_arm, "view")):
+    tool = tables["tool"]["items"]["anyOf"][0]["properties"]
+    for owner, key in ((tables, "bin"), (on_arm, "view"), (tool, "tcp")):
         owner[key] = {"anyOf": [owner[key], {"type": "array", "items": owner[key]}]}
     return json.dumps(schema, indent=1) + "\n"
 

@@ -58,7 +58,9 @@ def edit_tools(document: Any, old: Cell, new: Cell, folder: Path) -> None:
         if name in were and name not in are:
             del tables[number]
         elif "tcp" in table and name in were:
-            edit_pose(table["tcp"], were[name].T_flange_tcp, are[name].T_flange_tcp)
+            tcp = table["tcp"]
+            first = tcp[0] if isinstance(tcp, list) else tcp
+            edit_pose(first, were[name].T_flange_tcp, are[name].T_flange_tcp)
     for name, tool in are.items():
         if name not in were:
             tables.append(_table(tool, folder))
@@ -103,6 +105,7 @@ def _numbers(tool: Tool) -> Floats:
                 for values in (tool.centre_of_gravity, tool.inertia)
                 if values is not None
             ),
+            *(tcp.T_flange_tcp.homogeneous.ravel() for tcp in tool.tcps),
             *(finger.direction for finger in tool.fingers),
             *map(_of_solid, solids),
         ]

@@ -7,9 +7,10 @@ import numpy as np
 from workbench.formats.cells.devices import read_options, refused_at
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import read_pose, read_solid
-from workbench.model.cell import Finger, Tool
+from workbench.model.cell import Cell, Finger, Tool
 from workbench.model.geometry import Floats, Mesh, Solid
 from workbench.model.load import load_problem
+from workbench.model.robot import Tcp
 from workbench.plugins.found import load, names
 from workbench.plugins.tool import made_tool
 
@@ -18,6 +19,11 @@ MOST_FORCE = 1e5
 
 MOST_MASS = 1e6
 """[g]"""
+
+MOST_TCPS = 8
+
+NO_OUTPUT, MOST_OUTPUT = -1, 7
+"""Digital outputs of a controller count from 0; of the first, that of the link's options."""
 
 LOAD_KEYS = ("mass_g", "centre_of_gravity_mm", "inertia_kgm2")
 """Keys of every tool, of a kind or not."""
@@ -38,9 +44,7 @@ def read_tool(table: Table) -> Tool:
         tool = _with_load(table, tool)
         table.finish()
         return tool
-    tcp = table.table("tcp")
-    T_flange_tcp = read_pose(tcp)
-    tcp.finish()
+    first, *others = _read_tcps(table)
     fingers: list[Finger] = []
     for finger in table.tables("finger"):
         direction = finger.numbers("opens_along", 3)
@@ -52,7 +56,7 @@ def read_tool(table: Table) -> Tool:
         raise table.error("stroke_mm", "must be [smallest, largest] opening")
     tool = Tool(
         name=table.text("name"),
-        T_flange_tcp=T_flange_tcp,
+        T_flange_tcp=first.T_flange_tcp,
         body=tuple(read_solid(solid) for solid in table.tables("body")),
         fingers=tuple(fingers),
         stroke=(float(low), float(high)),
@@ -61,9 +65,78 @@ def read_tool(table: Table) -> Tool:
     )
     if not tool.body and not tool.fingers:
         raise table.error("body", "is missing; [[tool.body]] or [[tool.finger]] is expected")
+    if first.name:
+        tool = replace(tool, tcps=(first, *others), tcp=first.name)
+        _check_tcps(table, tool)
     tool = _with_load(table, tool)
     table.finish()
     return tool
+
+
+def _read_tcps(table: Table) -> list[Tcp]:
+    """The TCPs of a tool: one, which may have a name, or several, which need names."""
+    if not table.is_array("tcp"):
+        return [read_tcp(table.table("tcp"))]
+    tables = list(table.tables("tcp"))
+    if not 1 <= len(tables) <= MOST_TCPS:
+        raise table.error("tcp", f"{len(tables)} TCPs, 1 to {MOST_TCPS} are expected")
+    tcps = [read_tcp(each, is_one_of_several=len(tables) > 1) for each in tables]
+    table.once("tcp.name", (tcp.name for tcp in tcps))
+    return tcps
+
+
+def read_tcp(table: Table, *, is_one_of_several: bool = False) -> Tcp:
+    """The table of one TCP.
+
+    Raises:
+        FileError: names the key that is wrong.
+    """
+    name, touches = table.text("name", "", empty=True), table.texts("touches", ())
+    output = table.whole("output", NO_OUTPUT, low=NO_OUTPUT, high=MOST_OUTPUT)
+    if not name and (is_one_of_several or touches or output != NO_OUTPUT):
+        problem = "is missing; each of several TCPs needs a name, and one with touches or output"
+        raise table.error("name", problem)
+    tcp = Tcp(name, read_pose(table), touches, None if output == NO_OUTPUT else output)
+    table.finish()
+    return tcp
+
+
+def _check_tcps(table: Table, tool: Tool) -> None:
+    """Whether named TCPs are at the tool, and touch with solids that it has."""
+    if tool.fingers and len(tool.tcps) > 1:
+        problem = "several TCPs are for tools without fingers, such as suction cups"
+        raise table.error("tcp", problem)
+    low, high = _box_of(tool)
+    names = [solid.name for solid in (*tool.body, *(finger.solid for finger in tool.fingers))]
+    for tcp in tool.tcps:
+        at = tcp.T_flange_tcp.translation
+        if len(tool.tcps) > 1 and np.any((at < low - AROUND) | (at > high + AROUND)):
+            raise table.error(
+                "tcp",
+                f"{tcp.name!r} lies more than {AROUND * 1000:g} mm beside the tool, which goes "
+                f"from {_mm(low)} to {_mm(high)} mm in the flange's frame",
+            )
+        for solid in tcp.touches:
+            if solid not in names:
+                problem = f"{tcp.name!r} touches {solid!r}, the tool has {', '.join(names)}"
+                raise table.error("tcp", problem)
+
+
+def check_grasp_tcps(table: Table, cell: Cell) -> None:
+    """Refuse grasps for a TCP that no tool has of those that they may be used with.
+
+    Raises:
+        FileError: names the grasp, its part, and the TCPs that there are.
+    """
+    tools = {tool.name: tool for arm in cell.arms for tool in (arm.tool, *arm.tools)}
+    every = [(part, grasp) for part in cell.parts for grasp in part.library.grasps]
+    for part, grasp in every:
+        usable = [tool for tool in tools.values() if grasp.tool in ("", tool.name)]
+        known = {tcp.name: tcp for tool in usable for tcp in tool.tcps}
+        if usable and grasp.tcp and grasp.tcp not in known:
+            there = f"tools have {', '.join(known)}" if known else "no tool names its TCP"
+            problem = f"grasp {grasp.name!r} of {part.name} is for TCP {grasp.tcp!r}; {there}"
+            raise table.error("parts", problem)
 
 
 def _with_load(table: Table, tool: Tool) -> Tool:

@@ -241,7 +241,14 @@ def tool_lines(tool: Tool, put_mesh: PutMesh) -> Iterator[str]:
     if tool.force is not None:
         yield f"force_n = {number(tool.force)}"
     yield from _load(tool)
-    yield from ("", "[tool.tcp]", *_pose(tool.T_flange_tcp))
+    for tcp in tool.tcps:
+        yield from ("", "[[tool.tcp]]", f"name = {text(tcp.name)}", *_pose(tcp.T_flange_tcp))
+        if tcp.touches:
+            yield f"touches = [{', '.join(map(text, tcp.touches))}]"
+        if tcp.output is not None:
+            yield f"output = {tcp.output}"
+    if not tool.tcps:
+        yield from ("", "[tool.tcp]", *_pose(tool.T_flange_tcp))
     for solid in tool.body:
         yield from ("", "[[tool.body]]", *_solid(tool.name, solid.name, solid, put_mesh))
     for finger in tool.fingers:

@@ -141,6 +141,7 @@ def keys_of(entry: Entry) -> dict[str, Any]:
         "enabled": (grasp.is_enabled, True),
         "arms": (list(grasp.arms), []),
         "tool": (grasp.tool, ""),
+        "tcp": (grasp.tcp, ""),
         "free_rotation_deg": (_degrees(grasp.free_rotation), 0),
         "tilt_deg": (_degrees(grasp.tilt), 0),
         "slide_mm": (short(grasp.slide * 1000), 0),

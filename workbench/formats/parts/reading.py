@@ -218,6 +218,7 @@ def _entry(table: Table) -> Entry:
         is_enabled=table.flag("enabled", True),
         arms=table.texts("arms", ()),
         tool=table.text("tool", "", empty=True),
+        tcp=table.text("tcp", "", empty=True),
         free_rotation=float(np.deg2rad(table.number("free_rotation_deg", 0, low=0, high=180))),
         tilt=float(np.deg2rad(table.number("tilt_deg", 0, low=0, high=90))),
         slide=table.number("slide_mm", 0, low=0, high=1000) / 1000,

@@ -212,6 +212,7 @@ def _arm(table: Table, detections: int) -> ArmPlan:
         station=name_in(table, "station") if table.has("station") else "",
         loads=_loads(table.table("loads")) if table.has("loads") else None,
         found=_found_grip(table.table("found")) if table.has("found") else None,
+        tcp=name_in(table, "tcp") if table.has("tcp") else "",
     )
     table.finish()
     return arm

@@ -9,6 +9,7 @@ from workbench.gui.drawing.nearest import certificates_of, free_message, straigh
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.gui.texts.approval import ApprovalText
 from workbench.gui.texts.labels import LabelText
+from workbench.model.candidate import label_grasp
 from workbench.model.cell import Cell
 from workbench.model.derived.row_parts import parts_taken, renumber
 from workbench.model.messages.message import FoundPart, Message, Others, all_of
@@ -140,7 +141,7 @@ def _plan(cell: Cell, plan: Plan) -> list[Fact]:
         facts.append((name, ApprovalText.TO_HOME() if leads_home else to_view))
     for arm in plan.picks:
         kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
-        grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=arm.grasp)
+        grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=label_grasp(arm.grasp, arm.tcp))
         facts.append((LabelText.ARM(arm=arm.arm.capitalize()), grasp))
     return facts
 
@@ -158,7 +159,7 @@ def _plans(state: State) -> list[Fact]:
                 arm=arm.arm,
                 part=FoundPart(part),
                 kind=first.detections[part].part,
-                grasp=arm.grasp,
+                grasp=label_grasp(arm.grasp, arm.tcp),
             )
             for part, arm in zip(parts_taken(first, plan), plan.picks, strict=True)
         ]

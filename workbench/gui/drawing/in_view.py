@@ -21,6 +21,7 @@ from workbench.gui.shared.playback import Run, interpolate, latest
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.scene import WatchText
 from workbench.model.cell import Cell
+from workbench.model.derived.by_tcp import by_taking
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
 from workbench.planning.kinematics.robot import Kinematics
@@ -57,7 +58,8 @@ class HandWays:
             run = latest(self.runs, arm.name, time)
             if run is not None and time <= run.end:
                 q = interpolate(run.leg.q, run.leg.t, time - run.start)
-                found.append(self.kinematics.tcp_pose(arm, q).translation)
+                by = by_taking(self.cell, run).arm(arm.name)
+                found.append(self.kinematics.tcp_pose(by, q).translation)
         return np.array(found).reshape(-1, 3)
 
     def along(self, spans: Sequence[Span]) -> Floats:

@@ -7,9 +7,11 @@ from workbench.gui.drawing.refusals import refused_pose
 from workbench.gui.shared.look import Pose
 from workbench.gui.texts.scene import PosePageText
 from workbench.model.candidate import Candidate, Pick
+from workbench.model.cell import Cell
+from workbench.model.derived.by_tcp import by_taking
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import FoundPart, Message, found_part
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.self_motion import self_motion
 from workbench.planning.picking.resolve import approach_phase, resolve
@@ -28,23 +30,26 @@ class PoseFinder:
         """Where it failed; or pre-grasp, grasp, lifted and place, and the elbow's freedom."""
         if not state.detections:
             return ()
-        world = self._world_of(state, state.detections)
+        cell = by_taking(state.cell, candidate)
+        world = self._world_of(cell, state.detections, state.obstacles)
         if not candidate.verdict.is_ok:
             pose = refused_pose(world, candidate)
             return () if pose is None else (pose,)
         pick = resolve(world, candidate, seed=state.plan.seed if state.plan is not None else 0)
         return self._on_the_way(world, pick) if isinstance(pick, Pick) else ()
 
-    def _world_of(self, state: State, detections: tuple[Detection, ...]) -> World:
+    def _world_of(
+        self, cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...]
+    ) -> World:
         """The world of these parts: that from before where nothing is other than it was."""
         world = self._world
         if (
             world is None
-            or world.cell is not state.cell
+            or world.cell is not cell
             or world.detections is not detections
-            or world.obstacles is not state.obstacles
+            or world.obstacles is not obstacles
         ):
-            world = self._world = World(state.cell, detections, state.obstacles)
+            world = self._world = World(cell, detections, obstacles)
         return world
 
     def _on_the_way(self, world: World, pick: Pick) -> tuple[Pose, ...]:

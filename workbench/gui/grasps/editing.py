@@ -11,6 +11,7 @@ from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.picking.glance import Change
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Tool
+from workbench.model.derived.by_tcp import has_tcp, with_tcp
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, WorkbenchError
 from workbench.model.messages.changes import GraspChange
@@ -72,7 +73,8 @@ class Editing:
         """The one that grasps are tried with: that of the chosen grasp, if it is for one."""
         tools, entry = self.tools, self.entry
         wanted = grasp_of(entry).tool if entry is not None else ""
-        return tools.get(wanted) or tools.get(self._tool) or next(iter(tools.values()))
+        tool = tools.get(wanted) or tools.get(self._tool) or next(iter(tools.values()))
+        return tool if entry is None else _at_tcp_of(tool, grasp_of(entry))
 
     def choose(
         self, *, part: str | None = None, entry: str | None = None, tool: str | None = None
@@ -91,7 +93,11 @@ class Editing:
 
     def check(self, grasp: Grasp) -> GraspCheck:
         """What speaks against a grasp with the tool that it is for, or else with the one in use."""
-        return self.with_checker(lambda checker: checker.check(grasp), self.tools.get(grasp.tool))
+        return self.with_checker(lambda checker: checker.check(grasp), self._tool_for(grasp))
+
+    def _tool_for(self, grasp: Grasp) -> Tool:
+        """The tool that a grasp is for, or the one in use, with the TCP that it is for."""
+        return _at_tcp_of(self.tools.get(grasp.tool) or self.tool, grasp)
 
     def with_checker(self, asked: Callable[[GraspChecker], T], tool: Tool | None = None) -> T:
         """Ask the checker of the part and a tool, that in use when none is given, something."""
@@ -206,3 +212,8 @@ class Editing:
 
     def _ask(self, command: EditPart) -> bool:
         return self.visitor.ask(lambda: command)
+
+
+def _at_tcp_of(tool: Tool, grasp: Grasp) -> Tool:
+    """A tool with the TCP that a grasp is for; with the first one where it has no such TCP."""
+    return with_tcp(tool, grasp.tcp if has_tcp(tool, grasp.tcp) else "")

@@ -44,6 +44,8 @@ class GraspFields:
         }
         tools = (ANY, *editing.tools)
         self._tool = gui.add_dropdown("For the tool", tools, hint="Arms with another one refuse.")
+        tcps, hint = self._tcps(ANY), "Any: plans try each of the tool."
+        self._tcp = gui.add_dropdown("For the TCP", tcps, hint=hint)
         self._opening = gui.add_number(
             "Opening [mm]", 0.0, step=0.1, hint="Between the fingers on arrival."
         )
@@ -85,7 +87,7 @@ class GraspFields:
 
     def show(self, entry: Entry | None, *, problem: str) -> None:
         """The chosen grasp is `entry` now; what was typed for it stays."""
-        self._offer(self._tool.value)
+        self._offer(self._tool.value, self._tcp.value)
         for button in (self._apply, self._measure, self._revert):
             self._visitor.allow(button, problem or no_grasp(entry))
         is_same_grasp = (
@@ -96,11 +98,20 @@ class GraspFields:
         if entry is not self._seen:
             self._fill(entry)
 
-    def _offer(self, chosen: str) -> None:
-        """The tools there are, and the one chosen, which may be none that this cell has."""
-        tools = tuple(dict.fromkeys((ANY, *self._editing.tools, chosen)))
+    def _offer(self, tool: str, tcp: str) -> None:
+        """The tools and TCPs there are, and those chosen, which may be none that this cell has."""
+        tools = tuple(dict.fromkeys((ANY, *self._editing.tools, tool)))
         if self._tool.options != tools:
             self._tool.options = tools
+        tcps = self._tcps(tcp)
+        self._tcp.visible = len(tcps) > 1
+        if self._tcp.options != tcps:
+            self._tcp.options = tcps
+
+    def _tcps(self, chosen: str) -> tuple[str, ...]:
+        """The TCPs of all tools by name, after `ANY`, and the one chosen."""
+        named = (tcp.name for tool in self._editing.tools.values() for tcp in tool.tcps)
+        return tuple(dict.fromkeys((ANY, *named, chosen)))
 
     def _is_typed(self) -> bool:
         """Whether something was typed that is not applied."""
@@ -123,8 +134,9 @@ class GraspFields:
         self._priority.value = grasp.priority
         for name, box in self._arms.items():
             box.value = not grasp.arms or name in grasp.arms
-        self._offer(grasp.tool or ANY)
+        self._offer(grasp.tool or ANY, grasp.tcp or ANY)
         self._tool.value = grasp.tool or ANY
+        self._tcp.value = grasp.tcp or ANY
         self._opening.value, self._grip.value = _mm(grasp.opening), _mm(grasp.grip)
         self._approach.value = shown_vector(grasp.approach)
         self._approach_length.value = _mm(grasp.approach_length)
@@ -149,6 +161,7 @@ class GraspFields:
             priority=whole(self._priority.value),
             arms=self._typed_arms(grasp_of(entry).arms),
             tool="" if self._tool.value == ANY else self._tool.value,
+            tcp="" if self._tcp.value == ANY else self._tcp.value,
             opening=self._opening.value / 1000,
             grip=self._grip.value / 1000,
             approach=direction_in(self._approach.value, "approach"),

@@ -9,6 +9,7 @@ from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, sentence, short
 from workbench.gui.texts.labels import LabelText
 from workbench.gui.texts.plan import PlanText
+from workbench.model.candidate import label_grasp
 from workbench.model.derived.row_parts import count_taken, parts_taken, renumber
 from workbench.model.messages.message import FoundPart, Message, all_of, as_message, plain
 from workbench.model.messages.plans import guarantee_message, strategy_message
@@ -70,7 +71,7 @@ def _plan_html(state: State, number: int, words: Words) -> str:
 
 
 def _chip(part: int, arm: ArmPlan) -> Message:
-    return PlanText.CHIP(arm=arm.arm, part=FoundPart(part), grasp=arm.grasp)
+    return PlanText.CHIP(arm=arm.arm, part=FoundPart(part), grasp=label_grasp(arm.grasp, arm.tcp))
 
 
 def _loads_html(state: State, plan: Plan, words: Words) -> str:

@@ -13,6 +13,7 @@ from workbench.gui.shared.solids import by_colour
 from workbench.gui.shared.views import candidate_label
 from workbench.model.candidate import Candidate
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_tcp import by_taking
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -97,7 +98,7 @@ class DrawnCandidates:
 
     def _draw_chosen(self, candidate: Candidate, pose: Pose | None) -> None:
         colour = rgb_of(verdict_colour(candidate.verdict.kind))
-        arm = self._cell.arm(candidate.arm)
+        arm = by_taking(self._cell, candidate).arm(candidate.arm)
         T_world_tcp, opening = candidate.T_world_tcp, candidate.grasp.opening
         if pose is not None and pose.T_world_tcp is not None:
             T_world_tcp, opening = pose.T_world_tcp, pose.opening

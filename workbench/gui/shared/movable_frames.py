@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell, Tool
+from workbench.model.derived.by_tcp import with_tcp_at
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.part import PartPlace, Region
 from workbench.planning.kinematics.robot import Kinematics
@@ -197,7 +198,7 @@ def _arms_with_tcp(cell: Cell, name: str, T_flange_tcp: pin.SE3) -> tuple[Arm, .
     """All arms with another TCP of a tool, whoever can carry it: it is one table of the file."""
 
     def change_tool(tool: Tool) -> Tool:
-        return replace(tool, T_flange_tcp=T_flange_tcp) if tool.name == name else tool
+        return with_tcp_at(tool, T_flange_tcp) if tool.name == name else tool
 
     return tuple(
         replace(arm, tool=change_tool(arm.tool), tools=tuple(map(change_tool, arm.tools)))

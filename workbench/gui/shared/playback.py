@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from workbench.app.picking.facts import stands_on_station
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_tcp import by_plan, by_taking, from_current_tcp
 from workbench.model.derived.row_parts import parts_taken
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, Plan
@@ -37,7 +38,7 @@ class Run:
     """One leg of one arm on the clock of a plan, or of a row; `start`, `end` [s].
 
     `plan` is the place of its plan in the row, `does` what people call the leg there; empty: by its
-    name.
+    name.  `tcp` is that of the arm's plan.
     """
 
     arm: str
@@ -46,6 +47,7 @@ class Run:
     end: float
     plan: int = 0
     does: str = ""
+    tcp: str = ""
 
     @property
     def words(self) -> str:
@@ -91,7 +93,9 @@ def timeline(*row: Plan) -> tuple[Run, ...]:
             legs = [(plan.arm(arm), plan.arm(arm).leg(name)) for arm, name in step.runs]
             for arm_plan, leg in legs:
                 does = _does(row, place, arm_plan, leg)
-                runs.append(Run(arm_plan.arm, leg, clock, clock + leg.seconds, place, does))
+                runs.append(
+                    Run(arm_plan.arm, leg, clock, clock + leg.seconds, place, does, arm_plan.tcp)
+                )
             clock += max((leg.seconds for _, leg in legs), default=0.0)
     return tuple(runs)
 
@@ -236,7 +240,7 @@ def part_poses(
                 and run.start <= time
             ]
             if carried:
-                arm, run = cell.arm(arm_plan.arm), carried[-1]
+                arm, run = by_plan(cell, plan).arm(arm_plan.arm), carried[-1]
                 q = interpolate(run.leg.q, run.leg.t, min(time, run.end) - run.start)
                 poses[number] = kinematics.tcp_pose(arm, q) * arm_plan.T_tcp_part
                 if arm_plan.station and run.leg.name == "place" and time >= run.end:
@@ -247,20 +251,25 @@ def part_poses(
 def in_hands(
     cell: Cell, row: Sequence[Plan], runs: tuple[Run, ...], time: float
 ) -> dict[str, tuple[str, pin.SE3]]:
-    """What each arm holds at `time` [s], by its name: the kind of part, and `T_tcp_part`."""
+    """What each arm holds at `time` [s], by its name: the kind of part, and `T_tcp_part`.
+
+    The TCP is the first one of the tool, whatever the plan takes the part with.
+    """
     found: dict[str, tuple[str, pin.SE3]] = {}
     for arm in cell.arms:
         run = latest(runs, arm.name, time)
         if run is not None and run.leg.holding:
             plan = row[run.plan]
             arm_plan = plan.arm(arm.name)
-            found[arm.name] = plan.detections[arm_plan.detection].part, arm_plan.T_tcp_part
+            T_first_tcp = from_current_tcp(arm.tool, arm_plan.tcp)
+            part = plan.detections[arm_plan.detection].part
+            found[arm.name] = part, T_first_tcp * arm_plan.T_tcp_part
     return found
 
 
 def tcp_path(kinematics: Kinematics, cell: Cell, run: Run, *, points: int) -> Floats:
     """The way of the tool centre point along one leg, shape (points, 3) [m], world frame."""
-    arm = cell.arm(run.arm)
+    arm = by_taking(cell, run).arm(run.arm)
     times = np.linspace(run.start, run.end, points)
     path = arm_path(arm, (run,), times)
     return np.array([kinematics.tcp_pose(arm, q).translation for q in path])

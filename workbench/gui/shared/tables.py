@@ -52,7 +52,7 @@ def sort_key(candidate: Candidate, column: Column) -> tuple[float, ...] | tuple[
         case "part":
             return (float(candidate.detection),)
         case "grasp":
-            return (candidate.grasp.name,)
+            return (candidate.grasp_label,)
         case "arm":
             return (candidate.arm,)
         case "verdict":
@@ -70,7 +70,7 @@ def holds(candidate: Candidate, typed: str, words: Words = IN_ENGLISH) -> bool:
     verdict = candidate.verdict
     said = (
         f"part-{candidate.detection + 1}",
-        candidate.grasp.name,
+        candidate.grasp_label,
         candidate.arm,
         words.render(verdict.kind.message),
         words.render(verdict.stage.message),
@@ -295,7 +295,7 @@ def _row_html(candidate: Candidate, button: str, words: Words) -> str:
     return (
         f'<tr{refused} title="{escape(words.render(verdict.message))}" {clickable(button)}>'
         f"<td>{candidate.detection + 1}</td>"
-        f'<td translate="no">{escape(candidate.grasp.name)}</td>'
+        f'<td translate="no">{escape(candidate.grasp_label)}</td>'
         f'<td translate="no">{escape(candidate.arm)}</td>'
         f"<td>{badge(verdict_colour(kind), words.render(kind.message))}"
         f'<div class="wb-pair">{escape(pair)}</div></td>'

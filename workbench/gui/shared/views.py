@@ -380,7 +380,7 @@ def candidate_label(candidate: Candidate) -> str:
     All browsers share it, so each line is a name, a number, or a text that is translated whole.
     """
     lines = [
-        f"part-{candidate.detection + 1}, {candidate.grasp.name}, {candidate.arm}",
+        f"part-{candidate.detection + 1}, {candidate.grasp_label}, {candidate.arm}",
         str(candidate.verdict.kind.message),
         _evidence(candidate.verdict),
     ]

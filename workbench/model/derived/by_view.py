@@ -8,6 +8,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.messages.cells import ViewChoiceText
 from workbench.model.robot import ScanPosture
+from workbench.model.scan import Scan
 
 
 def views_of(cell: Cell) -> tuple[ScanPosture, ...]:
@@ -65,3 +66,25 @@ def with_view(cell: Cell, name: str) -> Cell:
     )
     mount = replace(cell.scanner, on_arm=replace(carrier, view=found, other_views=others))
     return replace(cell, scanner=mount, arms=waits)
+
+
+def scans_by_view(scan: Scan) -> tuple[Scan, ...]:
+    """The scan of each view in its own frame, the last one taken last; itself of a single one."""
+    if len(scan.views) < 2:
+        return (scan,)
+    ends = np.cumsum([view.count for view in scan.views])
+    found: list[Scan] = []
+    for view, end in zip(scan.views, ends, strict=True):
+        of = slice(end - view.count, end)
+        T = view.T_world_scanner.actInv(scan.T_world_scanner)
+        found.append(
+            Scan(
+                scan.points[of] @ T.rotation.T + T.translation,
+                view.T_world_scanner,
+                view.name,
+                colours=None if scan.colours is None else scan.colours[of],
+                joints=scan.joints,
+                views=(view,),
+            )
+        )
+    return tuple(found)

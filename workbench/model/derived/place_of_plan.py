@@ -3,6 +3,7 @@
 import numpy as np
 
 from workbench.model.cell import Cell
+from workbench.model.derived.by_tcp import by_taking
 from workbench.model.plan import ArmPlan
 
 
@@ -12,7 +13,7 @@ def place_number(cell: Cell, arm_plan: ArmPlan) -> int:
     Places of the tool come first, then those of parts, each in the order of the cell file.  The
     nearest one counts: places do not overlap.
     """
-    arm = cell.arm(arm_plan.arm)
+    arm = by_taking(cell, arm_plan).arm(arm_plan.arm)
     held = [leg for leg in arm_plan.legs if leg.holding]
     if arm_plan.station or not held:
         return 0

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_tcp import by_taking
 from workbench.model.derived.carried_points import (
     InHand,
     Points,
@@ -96,7 +97,7 @@ def speeds_on(
 
 def speeds_of(cell: Cell, plan: Plan, arm_plan: ArmPlan, leg: Leg) -> PointSpeeds | None:
     """What an arm of a plan moves on one of its legs; None in a cell without such limits."""
-    hand = None
+    hand, cell = None, by_taking(cell, arm_plan)
     if arm_plan.takes_part:
         found = plan.detections[arm_plan.detection]
         hand = InHand(cell.part(found.part), found, arm_plan.T_tcp_part)

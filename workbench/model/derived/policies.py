@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from workbench.model.cell import LIFT_NAMES, Policy
+from workbench.model.cell import LIFT_NAMES, MOST_PICKS, Policy
+from workbench.model.messages.cells import CellText
+from workbench.model.messages.message import Message
 
 LEAST_AIR = 0.0015
 """[m] Left on each side of a part where fingers arrive as open as there is room."""
@@ -29,3 +31,10 @@ def widened(policy: Policy) -> Policy:
     air = LEAST_AIR if policy.least_air is None else policy.least_air
     gap = policy.pair_gap or HEAP_GAP
     return replace(policy, lifts=(*policy.lifts, *others), least_air=air, pair_gap=gap)
+
+
+def picks_problem(policy: Policy) -> Message | None:
+    """Why a policy cannot ask for this many plans after one scan; None when it can."""
+    if not 1 <= policy.picks <= MOST_PICKS:
+        return CellText.PICKS(most=MOST_PICKS, count=repr(policy.picks))
+    return CellText.PAIR_GAP() if policy.picks > 1 and policy.pair_gap <= 0 else None

@@ -2,7 +2,9 @@
 
 `tcp_speed` is for the TCP and `point_speed` for any point.  `held_speed` is for any point while a
 part is in the hand.  `manual_speed` keeps all of them at `MANUAL_SPEED`.  `contact_energy` keeps
-every point of an arm as slow as its mass asks.
+every point of an arm as slow as its mass asks.  ISO/TS 15066:2016, annex A, has half of what moves
+of the arm, and all of tool and part, as the mass that hits.  Whoever is hit counts as unable to
+give way, which is more than two free bodies would exchange.
 
 Nothing here is a claim of safety: what a person may be near to is decided by who builds the cell.
 """
@@ -10,7 +12,6 @@ Nothing here is a claim of safety: what a person may be near to is decided by wh
 import math
 
 from workbench.model.cell import Arm, Cell
-from workbench.model.derived.contact_energy import energy_speed
 
 MANUAL_SPEED = 0.25
 """[m/s] Manual reduced speed of ISO 10218-1, here of every point and not of the TCP alone."""
@@ -32,3 +33,20 @@ def speed_limits(cell: Cell, arm: Arm, holding: bool) -> tuple[float, float]:
 def limits_speed(cell: Cell) -> bool:
     """Whether a cell limits the speed of the TCP or of points on any leg."""
     return any(min(speed_limits(cell, arm, True)) < math.inf for arm in cell.arms)
+
+
+def effective_mass(cell: Cell, arm: Arm, holding: bool) -> float | None:
+    """Half of the arm's moving mass, its tool, and the heaviest part while `holding` one [kg].
+
+    None where arm or tool does not state its mass.
+    """
+    if arm.moving_mass is None or arm.tool.mass is None:
+        return None
+    held = max((part.mass for part in cell.parts), default=0.0) if holding else 0.0
+    return arm.moving_mass / 2 + arm.tool.mass + held
+
+
+def energy_speed(cell: Cell, arm: Arm, holding: bool) -> float:
+    """The speed [m/s] at which the arm has the energy that the policy limits; infinite without."""
+    mass, most = effective_mass(cell, arm, holding), cell.policy.contact_energy
+    return math.inf if most is None or mass is None else math.sqrt(2.0 * most / mass)

@@ -43,6 +43,7 @@ class CellText(Text, subject="cell"):
         "the scanner of cell {cell} hangs on the {arm} arm; this is for scanners that stand"
     )
     NO_PART = "cell {cell} has no part {name}; it has {known}"
+    NO_TCP = "tool {tool} has no TCP {name}; it has {known}"
     PICKS = "a scan can be followed by 1 to {most} picks, not {count}"
     PAIR_GAP = (
         "several picks after one scan need a pair_gap_mm in [policy]: without it nobody knows "

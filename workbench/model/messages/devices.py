@@ -47,6 +47,7 @@ class DeviceText(Text, subject="device"):
     )
     NO_PATHS = "the robot link {link} sends poses alone: no path to the view goes out"
     NO_MAPPING = "the robot link {link} does not know the axis_coupling of arm {arm}"
+    NO_OUTPUTS = "the robot link {link} cannot switch the output of TCP {tcp}; leave `output` out"
     NO_SHARE = "the robot link {link} cannot send a plan at a share of its speed"
     NO_STEPS = "the robot link {link} cannot send a plan step by step"
     TOO_SLOW = (

@@ -6,6 +6,7 @@ from workbench.model.messages.message import Text
 class GripText(Text, subject="grip"):
     """What speaks against a grasp with a tool: the part alone, before any cell."""
 
+    OTHER_TCP = "is for TCP {wanted}, not for this one of {tool}"
     OTHER_TOOL = "is for tool {wanted}, not for {tool}"
     CUTS = "{solid} cuts the part by {depth:mm}"
     CUTS_AT = "{solid} cuts the part by {depth:mm} at opening {opening:mm}"

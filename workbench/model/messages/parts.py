@@ -18,6 +18,7 @@ class PileText(Text, subject="pile"):
     )
     FOR_ARM = "the grasp is for arm {arms:or}"
     FOR_TOOL = "the grasp is for tool {tool}, arm {arm} carries {carried}"
+    FOR_TCP = "the grasp is for TCP {tcp}, which tool {tool} does not have"
     OPENING = "the grasp needs an opening of {opening:mm}, tool {tool} opens {low:mm} to {high:mm}"
     INSIDE_OUT = "the mesh of part {part} is inside out; `workbench part import` turns it"
     NO_FINGERS = "no tool of cell {cell} has two fingers or a cup"

@@ -55,6 +55,7 @@ class VerdictNote(Text, subject="note"):
     FINGERS = "finger opening {opening:mm0}"
     ONLY_ARMS = "only for arm {arms:or}"
     OTHER_TOOL = "needs tool {tool}; the arm carries {carried}"
+    OTHER_TCP = "needs TCP {tcp}, which tool {tool} does not have"
     CHANGE_TOOL = "needs tool {tool}; the arm carries {carried} and can change to it"
     STROKE = "opening {opening:mm0}, stroke {low:mm0} to {high:mm0}"
     STROKE_AND_TOLERANCE = "{stroke}; {room:mm} of the opening for the part's tolerance"

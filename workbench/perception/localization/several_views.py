@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.model.cell import Cell
-from workbench.model.derived.scan_views import scans_by_view
+from workbench.model.derived.by_view import scans_by_view
 from workbench.model.scan import (
     Detection,
     LocalizationResult,

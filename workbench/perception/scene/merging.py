@@ -13,7 +13,7 @@ import pinocchio as pin
 from scipy.spatial import KDTree
 
 from workbench.model.cell import Cell
-from workbench.model.derived.scan_views import scans_by_view
+from workbench.model.derived.by_view import scans_by_view
 from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.robot import ScannedView
 from workbench.model.scan import Scan

@@ -15,7 +15,7 @@ from numba import njit
 
 from workbench.model.cell import Cell
 from workbench.model.derived.by_bin import barriers
-from workbench.model.derived.scan_views import scans_by_view
+from workbench.model.derived.by_view import scans_by_view
 from workbench.model.geometry import Box, Floats, Ints, Solid
 from workbench.model.scan import Detection, Obstacle, Scan, Unexplained
 from workbench.perception.scene.hidden import Room, hidden_columns

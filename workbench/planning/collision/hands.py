@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
+from workbench.model.derived.by_tcp import may_touch
 from workbench.model.geometry import Floats, Ints, Solid
 from workbench.model.part import Grasp, Part
 from workbench.planning.collision.bodies import extent, tool_shapes
@@ -158,7 +159,7 @@ def cut_of(
 ) -> int:
     """The first solid of the tool that cuts deeper than `press` [m] into the part, and the piece.
 
-    As in `Hands.cuts`.
+    One that may not touch the part must not cut it at all.  As in `Hands.cuts`.
     """
     balls, boxes, solids = _balls_of(tool), _boxes_of(pieces), tool_shapes(tool)
     R, p = T_part_tcp.rotation, T_part_tcp.translation
@@ -170,7 +171,8 @@ def cut_of(
         T = solids[number].at(tool, T_part_tcp, opening)
         for piece in np.flatnonzero(near[number]).tolist():
             solid = pieces[piece]
-            if distance(solids[number].solid.shape, T, solid.shape, solid.T_owner_shape) < -press:
+            allowed = press if may_touch(tool, solids[number].name) else 0.0
+            if distance(solids[number].solid.shape, T, solid.shape, solid.T_owner_shape) < -allowed:
                 return number * len(pieces) + piece
     return NOTHING
 

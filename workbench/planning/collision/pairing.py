@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell, Policy
 from workbench.model.derived.assembling import insertion_of
+from workbench.model.derived.by_tcp import may_touch
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.planning.collision.bodies import Body, pairs_of
 from workbench.planning.kinematics.robot import Kinematics
@@ -165,6 +166,13 @@ class Pairing:
         self._carrier = np.array([body.arm for body in bodies])
         self._press = {arm.name: 0.0 if arm.tool.fingers else arm.tool.press for arm in cell.arms}
         self._tool = np.array([body.kind == "tool" for body in bodies])
+        touching = {
+            f"{arm.name} {solid.name}"
+            for arm in cell.arms
+            for solid in (*arm.tool.body, *(finger.solid for finger in arm.tool.fingers))
+            if may_touch(arm.tool, solid.name)
+        }
+        self._lip = self._tool & np.array([body.label in touching for body in bodies])
         self._part = np.array([int(b.owner) if b.kind == "part" else -1 for b in bodies])
         self._hand = np.array(
             [body.arm if body.kind == "tool" else flanges.get(body.owner, -1) for body in bodies]
@@ -210,7 +218,7 @@ class Pairing:
             still = carrier < 0
             margins[(works[a] & still[b]) | (works[b] & still[a])] = self._policy.near_margin
             for name, number in phase.targets.items():
-                tool = self._tool & (self._carrier == self._arm[name])
+                tool = self._lip & (self._carrier == self._arm[name])
                 target = self._part == number
                 margins[(tool[a] & target[b]) | (tool[b] & target[a])] = -self._press[name]
         for name in phase.inserts & phase.held.keys():
@@ -240,7 +248,7 @@ class Pairing:
         )
 
 
-_PAIRINGS: dict[tuple[str, Policy, tuple[str, ...], int, tuple[str, ...]], Pairing] = {}
+_PAIRINGS: dict[tuple[object, ...], Pairing] = {}
 _CHANGES = threading.Lock()
 
 
@@ -254,7 +262,8 @@ def pairing_of(
     Concurrency: any thread; several of them make worlds for the page.
     """
     assembled = tuple(body.owner for body in bodies if body.kind == "assembled")
-    key = (cell.digest, policy, parts, len(bodies), assembled)
+    tcps = tuple(arm.tool.tcp for arm in cell.arms)
+    key = (cell.digest, tcps, policy, parts, len(bodies), assembled)
     with _CHANGES:
         if key not in _PAIRINGS:
             while len(_PAIRINGS) >= MOST_PAIRINGS:

@@ -5,13 +5,14 @@ there when the tool by itself fits between the walls, on arrival and as closed, 
 it; whether the arm's links are clear, and a path leads there, is for planning to say.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
+from workbench.model.derived.by_tcp import by_each_tcp
 from workbench.model.geometry import Bools, Floats, frozen, put, spread_directions
 from workbench.model.messages.message import Message
 from workbench.model.messages.work import ProgressText
@@ -122,10 +123,11 @@ def coverage(
         cancelled: True ends the search with what is known by then.
     """
     ups = spread_directions(directions)
-    trial = Trial(cell, part)
+    trials = [Trial(each, part) for each in by_each_tcp(cell)]
+    trial = trials[0]
     grasps = part.library.grasps
     arriving = tuple(widen_grasp(grasp, part.tolerance) for grasp in grasps)
-    usable = trial.usable(grasps)
+    usable = [each.usable(grasps) for each in trials]
     poses = [trial.poses(up, k, turns, places) for k, up in enumerate(ups)]
     # (directions, poses of each, grasps, arms)
     works = np.zeros((len(ups), turns * len(places), len(grasps), len(cell.arms)), bool)
@@ -135,12 +137,12 @@ def coverage(
         if cancelled():
             break
         report(0.9 * done / len(ups), ProgressText.DIRECTIONS(done=done, count=len(ups)))
-        works[k] = trial.works(poses[k], arriving, usable)
+        works[k] = _works(trials, poses[k], arriving, usable)
         seen[k] = True
     works, ups = works[seen], ups[seen]
     any_arm = np.any(works, axis=2)
     shares = np.any(any_arm, axis=2).mean(axis=1) if len(ups) else np.empty(0)
-    lying = _lying_share(trial, arriving, usable, turns, places, cancelled) if len(ups) else None
+    lying = _lying_share(trials, arriving, usable, turns, places, cancelled) if len(ups) else None
     missing = None
     if advise and len(ups) and not cancelled():
         report(0.9, ProgressText.WHAT_TO_ADD())
@@ -159,21 +161,33 @@ def coverage(
     )
 
 
+def _works(
+    trials: Sequence[Trial],
+    poses: Sequence[pin.SE3],
+    grasps: Sequence[Grasp],
+    usable: Sequence[Bools],
+) -> Bools:
+    """True (p, g, a) where a grasp works with an arm by any TCP of its tool; see `Trial.works`."""
+    pairs = zip(trials, usable, strict=True)
+    return np.any([trial.works(poses, grasps, able) for trial, able in pairs], axis=0)
+
+
 def _lying_share(
-    trial: Trial,
+    trials: Sequence[Trial],
     grasps: tuple[Grasp, ...],
-    usable: Bools,
+    usable: Sequence[Bools],
     turns: int,
     places: tuple[tuple[float, float], ...],
     cancelled: Callable[[], bool],
 ) -> float | None:
     """The share of the ways to lie in which some grasp works; None where it is not known."""
+    trial = trials[0]
     ups, often = ways_to_lie(trial.part)
     share = 0.0
     for k, (up, frequency) in enumerate(zip(ups, often, strict=True)):
         if cancelled():
             return None
-        works = trial.works(trial.poses(up, k, turns, places), grasps, usable)
+        works = _works(trials, trial.poses(up, k, turns, places), grasps, usable)
         share += float(frequency) * float(works.any(axis=(1, 2)).mean())
     return share
 

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
+from workbench.model.derived.by_tcp import may_touch
 from workbench.model.geometry import Floats, Mesh
 from workbench.planning.grasps.pads import outline
 from workbench.planning.grasps.part_rays import RayGrid, tops
@@ -44,8 +45,9 @@ class Cup:
 
     def __init__(self, tool: Tool):
         T_tcp_flange = tool.T_flange_tcp.inverse()
-        corners = [outline(s.shape) for s in tool.body]
-        poses = [T_tcp_flange * s.T_owner_shape for s in tool.body]
+        solids = [solid for solid in tool.body if may_touch(tool, solid.name)]
+        corners = [outline(s.shape) for s in solids]
+        poses = [T_tcp_flange * s.T_owner_shape for s in solids]
         points = np.vstack(
             [
                 points @ T.rotation.T + T.translation

@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
+from workbench.model.derived.by_tcp import is_for, may_touch
 from workbench.model.messages.grasps import GripText
 from workbench.model.messages.message import Message
 from workbench.model.part import Grasp, Part, widen_grasp
@@ -106,6 +107,9 @@ class GraspChecker:
             -1, 3
         )
         self._tool_group = Group([(s.shape, T_tcp_flange * s.T_owner_shape) for s, _ in solids])
+        barred = [solid for solid in tool.body if not may_touch(tool, solid.name)]
+        self._barred_names = [solid.name for solid in barred]
+        self._barred_group = Group([(s.shape, T_tcp_flange * s.T_owner_shape) for s in barred])
         self._part_group = Group([(piece.shape, piece.T_owner_shape) for piece in part.pieces])
 
     def clearance(
@@ -150,6 +154,9 @@ class GraspChecker:
         findings: list[GraspFinding] = []
         if grasp.tool and grasp.tool != self.tool.name:
             text = GripText.OTHER_TOOL(wanted=grasp.tool, tool=self.tool.name)
+            findings.append(GraspFinding("tool", text, 0.0, is_problem=False))
+        elif not is_for(grasp, self.tool):
+            text = GripText.OTHER_TCP(wanted=grasp.tcp, tool=self.tool.name)
             findings.append(GraspFinding("tool", text, 0.0, is_problem=False))
         hold = None
         if self.tool.fingers:
@@ -207,12 +214,20 @@ class GraspChecker:
             if has_fingers:
                 text = GripText.CUTS_ON_WAY_AT(**cut, opening=opening)
             findings.append(GraspFinding("approach", text, -worst))
+        if self._barred_names and (cut := self._barred_cut(grasp.T_part_tcp)):
+            findings.append(GraspFinding("cut", GripText.CUTS(solid=cut[1], depth=cut[0]), cut[0]))
         if self.tool.fingers:
             closed, at = self.clearance(grasp.T_part_tcp, grasp.grip, within=0.0)
             if closed < -press - ROUNDING:
                 text = GripText.CUTS_CLOSED(grip=grasp.grip, solid=at, depth=-closed, press=press)
                 findings.append(GraspFinding("cut", text, -closed))
         return clearance
+
+    def _barred_cut(self, T_part_tcp: pin.SE3) -> tuple[float, str] | None:
+        """How deep [m] a solid cuts the part that may not touch it, and which; None for none."""
+        still = np.zeros((len(self._barred_names), 3))
+        far, at = group_distance(self._barred_group, T_part_tcp, still, self._part_group, 0.0)
+        return (-far, self._barred_names[at]) if far < -ROUNDING and at >= 0 else None
 
     def seal_findings(self, grasp: Grasp) -> list[GraspFinding]:
         """What keeps the lip of a cup from closing; nothing for another tool."""

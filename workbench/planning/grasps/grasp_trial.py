@@ -7,6 +7,7 @@ import pinocchio as pin
 from numba import njit
 
 from workbench.model.cell import Arm, Cell, Tool
+from workbench.model.derived.by_tcp import is_for
 from workbench.model.geometry import Bools, Box, Floats
 from workbench.model.part import Grasp, Part
 from workbench.planning.collision.legs import grips
@@ -78,6 +79,7 @@ class Trial:
                     grasp.is_enabled
                     and (not grasp.arms or arm.name in grasp.arms)
                     and (not grasp.tool or grasp.tool == arm.tool.name)
+                    and is_for(grasp, arm.tool)
                     and not any(
                         finding.kind in ("cut", "stroke", "approach")
                         for finding in self.checkers[arm.name].check(grasp).findings

@@ -121,7 +121,8 @@ def ends_are_clear(world: World, pair: Sequence[Pick]) -> bool:
 def _run(pick: Pick, name: LegName) -> Run:
     """A leg of a pick that has no plan yet."""
     candidate, grasp = pick.candidate, pick.candidate.grasp
-    plan = ArmPlan(candidate.arm, candidate.detection, grasp.name, pick.T_tcp_part, (), ())
+    taken = candidate.detection, grasp.name, pick.T_tcp_part
+    plan = ArmPlan(candidate.arm, *taken, (), (), tcp=candidate.tcp)
     return plan, name, grasp.grip if name in HOLDING else grasp.opening
 
 

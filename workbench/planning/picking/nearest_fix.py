@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Pick, Reason, Stage
 from workbench.model.cell import LIFT_NAMES, Cell, Policy, Tool
+from workbench.model.derived.by_tcp import by_taking
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.grasps import FixText
 from workbench.model.messages.message import FoundPart, Message
@@ -180,7 +181,7 @@ class Fixes:
         self._given = (detections, obstacles, seed)
         self._of: Candidate | None = None
         self._changed: dict[Message, Grasp] = {}
-        self._trials: dict[Message | None, Callable[[Candidate, Grasp], bool]] = {}
+        self._trials: dict[tuple[Message | None, str], Callable[[Candidate, Grasp], bool]] = {}
         policy = cell.policy
         self._policies: dict[Message, Policy] = {}
         self._rolls: dict[Message, tuple[Detection, ...]] = {}
@@ -223,9 +224,10 @@ class Fixes:
         is_of_all = policy is not None or change in self._rolls
         if not is_of_all:
             grasp = self._grasps(candidate)[change]
-        key = change if is_of_all else None
+        key = change if is_of_all else None, candidate.tcp
         if key not in self._trials:
             cell = self._cell if policy is None else replace(self._cell, policy=policy)
+            cell = by_taking(cell, candidate)
             self._trials[key] = _trial(cell, detections, obstacles, seed)
         return self._trials[key](candidate, grasp)
 

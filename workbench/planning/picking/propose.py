@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell, Tool
+from workbench.model.derived.by_tcp import is_for, is_for_another
 from workbench.model.derived.upright import leans_too_far
 from workbench.model.geometry import Floats, Solid
 from workbench.model.messages.verdicts import VerdictNote
@@ -68,6 +69,7 @@ def propose(
         for _, arm in product(grasps[detection.part], world.cell.arms):
             every.append(next(found[number, arm.name]))
             looked(len(every), total)
+    every = [c for c in every if not is_for_another(c.grasp, world.arm(c.arm).tool)]
     return tuple(sorted(every, key=lambda c: (not c.verdict.is_ok, -c.grasp.priority, c.rank)))
 
 
@@ -200,7 +202,8 @@ def _candidates(
                 )
                 if verdict.is_ok:
                     taken = as_it_fits(arm, grasp, fit)
-            yield Candidate(number, taken, arm.name, T_world_tcp, ranks[n][k], verdict)
+            tried = number, taken, arm.name, T_world_tcp, ranks[n][k], verdict
+            yield Candidate(*tried, arm.tool.tcp)
 
 
 def refuse_where_it_lies(world: World, number: int) -> Verdict | None:
@@ -254,6 +257,9 @@ def _unfit(grasp: Grasp, arm: Arm, part: Part) -> Verdict | None:
         may_change = grasp.tool in {tool.name for tool in arm.tools}
         text = VerdictNote.CHANGE_TOOL if may_change else VerdictNote.OTHER_TOOL
         note = text(tool=grasp.tool, carried=arm.tool.name)
+        return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=note)
+    if not is_for(grasp, arm.tool):
+        note = VerdictNote.OTHER_TCP(tcp=grasp.tcp, tool=arm.tool.name)
         return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=note)
     low, high = arm.tool.stroke
     if arm.tool.fingers and not low <= grasp.opening <= high:

@@ -184,7 +184,8 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
     loads = loads_of(arm.tool, part, pick.T_tcp_part)
     taken = candidate.detection, grasp.name, pick.T_tcp_part
     grip = FoundGrip(grasp.T_part_tcp, grasp.opening, grasp.grip) if grasp.is_found else None
-    return ArmPlan(arm.name, *taken, arm.joints, legs, loads=loads, found=grip)
+    tcp = arm.tool.tcp
+    return ArmPlan(arm.name, *taken, arm.joints, legs, loads=loads, found=grip, tcp=tcp)
 
 
 def route_view(

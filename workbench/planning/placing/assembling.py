@@ -9,6 +9,7 @@ import pinocchio as pin
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.assembling import assembled_kinds, assembled_pose, insertion_of
+from workbench.model.derived.by_tcp import by_taking
 from workbench.model.messages.cells import KitText
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import PlanNote
@@ -75,7 +76,8 @@ def placing_error(
         default=None,
     )
     if nest is None or nest.centred is None:
-        return budget_by(cell, found, arm_plan.arm, arm_plan.T_tcp_part.inverse()).error
+        taking = by_taking(cell, arm_plan)
+        return budget_by(taking, found, arm_plan.arm, arm_plan.T_tcp_part.inverse()).error
     return nest_error(nest)
 
 
@@ -108,7 +110,7 @@ def mating_notes(cell: Cell, plan: Plan, bases: Mapping[str, PlacingError]) -> I
         if insertion is None or insertion.joint is None or insertion.base not in bases:
             continue
         T_part_tcp = arm_plan.T_tcp_part.inverse()
-        budget = budget_by(cell, found, arm_plan.arm, T_part_tcp, bases)
+        budget = budget_by(by_taking(cell, arm_plan), found, arm_plan.arm, T_part_tcp, bases)
         if budget.chance is not None and budget.mates_seldom and not arm_plan.station:
             yield PlanNote.MATES_SELDOM(
                 chance=budget.chance,

@@ -11,6 +11,7 @@ import pinocchio as pin
 from workbench.model.candidate import Candidate
 from workbench.model.cell import Cell, Tool
 from workbench.model.derived.assembling import insertion_of
+from workbench.model.derived.by_tcp import by_taking
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.messages.grasps import BudgetText
 from workbench.model.messages.message import Message
@@ -128,7 +129,7 @@ def budget_of(
 ) -> Budget:
     """What a candidate leaves open of where its part comes to lie; see `budget_by`."""
     T_part_tcp = detection.T_world_part.actInv(candidate.T_world_tcp)
-    return budget_by(cell, detection, candidate.arm, T_part_tcp, bases)
+    return budget_by(by_taking(cell, candidate), detection, candidate.arm, T_part_tcp, bases)
 
 
 def budget_by(
@@ -143,7 +144,7 @@ def budget_by(
     Robot and place count as exact.  The part is taken as lying by itself on something level.
 
     Args:
-        cell: its scanner, the arm's tool, its places for the part.
+        cell: its scanner, its places for the part, the arm's tool by the TCP that takes it.
         detection: that is gripped.
         arm_name: whose hand grips it.
         T_part_tcp: of the grasp.

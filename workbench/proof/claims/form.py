@@ -1,10 +1,11 @@
 """Whether a plan is about this cell and this scene, whole, and within the limits of its joints."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from workbench.model.cell import Arm, Cell
+from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.plans import (
@@ -25,6 +26,7 @@ from workbench.model.plan import (
     Strategy,
     Violation,
 )
+from workbench.model.robot import Tcp
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.claims.scene import unseen_bin
 
@@ -56,6 +58,9 @@ def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]
     for arm_plan in plan.arms:
         if arm_plan.arm not in known:
             yield Violation(ProofText.UNKNOWN_ARM(name=arm_plan.arm))
+        elif not _stated_tcp(cell.arm(arm_plan.arm).tool, arm_plan):
+            tool = cell.arm(arm_plan.arm).tool.name
+            yield Violation(ProofText.UNKNOWN_TCP(tool=tool, tcp=arm_plan.tcp), arm_plan.arm)
         elif not arm_plan.takes_part:
             yield from _view(cell, plan, arm_plan)
         elif not 0 <= arm_plan.detection < len(plan.detections):
@@ -64,6 +69,25 @@ def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]
             home = cell.arm(arm_plan.arm).home
             yield from _legs(cell, arm_plan, LEG_NAMES, (home, home))
     yield from _sequence(plan)
+
+
+def at_stated_tcps(cell: Cell, plan: Plan) -> Cell:
+    """The cell with each tool at the TCP that a plan states for its arm, which has to have it."""
+    tools = {arm.name: arm.tool for arm in cell.arms}
+    for arm_plan in plan.arms:
+        tcp, tool = _stated_tcp(tools[arm_plan.arm], arm_plan), tools[arm_plan.arm]
+        if tcp is not None and tcp.name != tool.tcp:
+            at = replace(tool, T_flange_tcp=tcp.T_flange_tcp, tcp=tcp.name)
+            tools[arm_plan.arm] = at
+    if all(arm.tool is tools[arm.name] for arm in cell.arms):
+        return cell
+    return replace(cell, arms=tuple(replace(arm, tool=tools[arm.name]) for arm in cell.arms))
+
+
+def _stated_tcp(tool: Tool, arm_plan: ArmPlan) -> Tcp | None:
+    """The TCP that an arm takes its part with, the first one where none is named; None: no such."""
+    tcps = tool.tcps or (Tcp("", tool.T_flange_tcp),)
+    return next((tcp for tcp in tcps if arm_plan.tcp in ("", tcp.name)), None)
 
 
 def _scene(scene: Scene, plan: Plan) -> Iterator[Violation]:

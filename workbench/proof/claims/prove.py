@@ -9,6 +9,7 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Plan, Proof, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.claims.form import (
+    at_stated_tcps,
     form_violations,
     joint_limit_violations,
     opening_and_time_violations,
@@ -58,7 +59,9 @@ def prove(
         A proof; `holds` is True when there is no violation.
     """
     violations = list(form_violations(cell, scene, plan))
-    walked, speeds = None, ()
+    walked, speeds, digest = None, (), cell.digest
+    if not violations:
+        cell = at_stated_tcps(cell, plan)
     arms = [(cell.arm(arm.arm), arm) for arm in plan.arms] if not violations else []
     legs = [(arm, leg) for arm, arm_plan in arms for leg in arm_plan.legs]
     # Joints that turn a hundred times would be followed for hours.
@@ -83,7 +86,7 @@ def prove(
         violations += walked.violations
     return Proof(
         plan_digest=plan.digest,
-        cell_digest=cell.digest,
+        cell_digest=digest,
         scan_digest=plan.scan_digest,
         checks=0 if walked is None else walked.looks,
         resolution=resolution,

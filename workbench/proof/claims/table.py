@@ -8,6 +8,7 @@
 | held part and a link of the arm that holds it | `margin`, on approach and extract `near_margin` |
 | tool or held part, on approach and extract, and what no arm carries | `near_margin` |
 | tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
+| the same, of a solid that the TCP does not name in `touches` | `near_margin` |
 | closing or opening fingers and the part they take or let go | is not compared |
 | lifted part and what it lies on, over the first `release` | as at the start, less 0.5 mm |
 | the same, at every turn of a part whose roll is not known | see `grasps.rolls` |
@@ -93,6 +94,8 @@ class PairTable(BodyPairs):
         self.first, self.second = np.nonzero(self.counts)
         self._part = np.array([b.part for b in bodies])
         self._tool = np.array([b.kind == "tool" for b in bodies])
+        barred = _barred_labels(cell)
+        self._barred = np.array([b.label in barred for b in bodies])
         self._finger = np.array([b.is_finger for b in bodies])
         self._arm_numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
         self.rounds = np.array([is_round(body, tree) for body in bodies])
@@ -135,7 +138,8 @@ class PairTable(BodyPairs):
             margins[near] = policy.near_margin
             tool, target = self._tool & (carrier == number), self._part == now.target
             if now.target >= 0:
-                arrives = (tool[a] & target[b]) | (tool[b] & target[a])
+                lips = tool & ~self._barred
+                arrives = (lips[a] & target[b]) | (lips[b] & target[a])
                 margins[arrives] = -_press(self._cell.arm(now.near_arm))
             lifted = is_held & (holder == number)
             beds = (lifted[a] & still[b]) | (lifted[b] & still[a])
@@ -194,6 +198,18 @@ class PairTable(BodyPairs):
 def _parse_name(name: str) -> tuple[str, str]:
     """What may be called so in a list of pairs that need no check."""
     return f"link {name}", f"tool {name}"
+
+
+def _barred_labels(cell: Cell) -> set[str]:
+    """What people call the solids of tools that may not touch the part that the tool takes."""
+    labels: set[str] = set()
+    for arm in cell.arms:
+        touches = {
+            name for tcp in arm.tool.tcps if tcp.name == arm.tool.tcp for name in tcp.touches
+        }
+        solids = (*arm.tool.body, *(finger.solid for finger in arm.tool.fingers))
+        labels |= {f"{arm.name} {s.name}" for s in solids if touches and s.name not in touches}
+    return labels
 
 
 def _press(arm: Arm) -> float:

@@ -176,6 +176,7 @@ def candidate_form(candidate: Candidate) -> Form:
         "detection": candidate.detection,
         "grasp": candidate.grasp.name,
         "arm": candidate.arm,
+        "tcp": candidate.tcp,
         "rank": finite(candidate.rank),
         "T_world_tcp": canonical(candidate.T_world_tcp),
         "verdict": verdict_form(candidate.verdict),

@@ -257,6 +257,7 @@ CANDIDATES = many(
         detection=WHOLE,
         grasp=TEXT,
         arm=TEXT,
+        tcp=TEXT,
         rank=or_none(NUMBER),
         T_world_tcp=POSE,
         verdict=VERDICT,

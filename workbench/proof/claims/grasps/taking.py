@@ -87,6 +87,8 @@ def _check_permission(arm: Arm, grasp: Grasp) -> Iterator[Violation]:
         yield Violation(ProofText.GRASP_FOR_ARMS(grasp=grasp.name, arms=grasp.arms), arm.name)
     if grasp.tool and grasp.tool != arm.tool.name:
         yield Violation(ProofText.GRASP_FOR_TOOL(grasp=grasp.name, tool=grasp.tool), arm.name)
+    if grasp.tcp and grasp.tcp != arm.tool.tcp:
+        yield Violation(ProofText.GRASP_FOR_TCP(grasp=grasp.name, tcp=grasp.tcp), arm.name)
 
 
 def _openings(

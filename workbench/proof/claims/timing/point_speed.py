@@ -10,8 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from workbench.model.cell import Cell
-from workbench.model.derived.contact_energy import effective_mass
-from workbench.model.derived.speed_limits import limits_speed, speed_limits
+from workbench.model.derived.speed_limits import effective_mass, limits_speed, speed_limits
 from workbench.model.geometry import Floats
 from workbench.model.messages.proofs import ProofText
 from workbench.model.motion import SpeedBound
