@@ -354,3 +354,11 @@ def test_versions_are_told_in_the_zone_that_all_times_are_told_in(tmp_path):
         for at in ("2026-01-01T00:05:00Z", "some day")
     ]
     assert "2026-01-01 00:05 UTC" in said[0] and "some day" in said[1]
+
+
+def test_the_thread_that_looks_at_grasps_ends_with_the_controls(visitor):
+    panel = GraspsPanel(visitor)
+    panel._end_drawing()
+    panel._draw()
+    with pytest.raises(RuntimeError):
+        panel._looker.submit(print)

@@ -167,6 +167,7 @@ class GraspsPanel:
         """Nothing is drawn from now on: a look at the grasps may end after these controls have."""
         with self._drawing:
             self._has_ended = True
+        self._looker.shutdown(wait=False, cancel_futures=True)
 
     def _draw_all(self) -> None:
         self._list_things()  # which may be a choice
@@ -242,7 +243,7 @@ class GraspsPanel:
         found: dict[str, GraspCheck | None] = {}
         try:
             for entry in part.library.entries:
-                if key != self._checked:
+                if key != self._checked or self._has_ended:
                     return
                 checks = [self._editing.check(grasp) for grasp in grasps_of(entry)]
                 found[entry.name] = next((check for check in checks if not check.is_ok), checks[0])
