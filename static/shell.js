@@ -28,7 +28,8 @@ const touch = document.getElementById("touch");
 const SILENT = word("the server does not answer. Use the emergency stop.");
 
 let presence = null;  // the websocket that the bar hears by
-let stopped = null;   // what is done when it answers a stop
+let stops = [];       // what is done when it answers a stop, in the order of asking
+let presses = 0;      // of Stop
 let isHere = false;   // whether what the bar says is news
 let hasRobot = true;  // until the server says otherwise
 let unseen = 0;       // looks in a row at which the searches that are compared were out of sight
@@ -67,6 +68,7 @@ async function again() {
 
 function stay() {
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+  stops = [];  // what was asked before, nobody answers
   const socket = presence = new WebSocket(`${scheme}//${location.host}/presence`);
   let late = setTimeout(gone, SILENT_MS);
   // A cut cable closes nothing: silence ends it, and what is said later does not count.
@@ -86,7 +88,7 @@ function stay() {
     isHere = true;
     if (line.textContent === AWAY) line.textContent = "";
     const said = JSON.parse(event.data);
-    if ("stopped" in said) stopped?.(said);
+    if ("stopped" in said) stops.shift()?.(said);
     else say(said);
   };
   socket.onclose = (event) => {
@@ -131,16 +133,19 @@ function say(bar) {
 
 async function halt() {
   // Not by the scene: it may hang.  And by two ways at once: on a poor network one is late.
+  const own = ++presses;
   line.textContent = word("Stopping");
   const ways = [stopByRequest(), stopByPresence()];
+  let says = "";
   try {
     await Promise.any(ways);
-    line.textContent = "";
   } catch (none) {
     // An answer says more than that there was none.
     const why = none.errors.map((error) => error.message).find((text) => text !== SILENT);
-    line.textContent = NOT_STOPPED + (why ?? SILENT);
+    says = NOT_STOPPED + (why ?? SILENT);
   }
+  // What came of the last press counts, and the bar may be cut off nevertheless.
+  if (own === presses) line.textContent = says || (isHere ? "" : AWAY);
 }
 
 async function stopByRequest() {
@@ -159,7 +164,7 @@ function stopByPresence() {
       reject(new Error(SILENT));
       return;
     }
-    stopped = (said) => (said.stopped ? resolve() : reject(new Error(said.why)));
+    stops.push((said) => (said.stopped ? resolve() : reject(new Error(said.why))));
     setTimeout(() => reject(new Error(SILENT)), SILENT_MS);
     presence.send("stop");
   });

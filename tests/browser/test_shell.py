@@ -101,3 +101,29 @@ def test_a_fault_leaves_the_robots_words_and_the_name_of_the_cell_whole(shell):
     assert not shell.page.locator("#robot").evaluate(cut)
     assert not shell.page.locator("header h1").evaluate(cut)
     assert shell.page.locator("#fault").bounding_box()["width"] >= 190
+
+
+def test_of_two_presses_the_answer_to_the_last_one_stands(shell):
+    shell.hear(SENDING)
+    shell.button.click()
+    first = shell._come(shell._stops)
+    shell.button.click()
+    while len(shell._stops) < 2:
+        shell.page.wait_for_timeout(20)
+    # Answers come in the order of the presses.
+    shell._sockets[-1].send(json.dumps({"stopped": False, "why": "too early"}))
+    shell._sockets[-1].send(json.dumps({"stopped": True, "why": ""}))
+    expect(shell.line).to_be_empty()
+    first.fulfill(status=409, body=json.dumps({"detail": "too early"}))
+    shell.page.wait_for_timeout(200)
+    expect(shell.line).to_be_empty()
+
+
+def test_a_stop_that_worked_leaves_it_said_that_there_is_no_connection(shell):
+    shell.hear(SENDING)
+    shell._sockets[-1].close()
+    expect(shell.line).to_contain_text("No connection")
+    shell.button.click()
+    expect(shell.line).to_have_text("Stopping")
+    shell._come(shell._stops).fulfill(status=200, body="{}")
+    expect(shell.line).to_contain_text("No connection")

@@ -47,7 +47,7 @@ class SimulatedScanner:
 
 
 class PointPairs:
-    """The built-in localizer; see `plugins.localizer.Localizer` and `localize.searched`."""
+    """The built-in localizer; see `plugins.localizer.Localizer` and `kinds.localize_parts`."""
 
     Options = NoOptions
 

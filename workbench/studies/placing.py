@@ -172,7 +172,7 @@ def _grip(case: Case, cell: Cell, part: Part, lying: Detection) -> list[Gripped]
             part,
             lying,
             candidate,
-            draw_errors(covariance, each, case.seed + 7 * number),
+            draw_errors(covariance, each, (case.seed, 2 + number)),
         )
         for number, candidate in enumerate(chosen)
         for each in [GRASPS * EACH // len(chosen)]

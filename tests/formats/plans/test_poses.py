@@ -1,4 +1,5 @@
 import json
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mutations import mutated, only_file_errors
 
-from workbench.formats.plans.pose_files import POSES_FORMAT, read_poses, write_poses
-from workbench.model.digest import digest_of
+from workbench.formats.files.toml_keys import Table
+from workbench.formats.plans.pose_files import (
+    POSES_FORMAT,
+    read_detection,
+    read_poses,
+    write_poses,
+)
+from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
@@ -140,6 +147,42 @@ def test_the_axis_of_an_unknown_roll_comes_back(tmp_path: Path) -> None:
     assert digest_of((first, second)) == digest_of(rolled)
     assert first.roll_axis is not None and np.array_equal(first.roll_axis, axis)
     assert second.roll_axis is None
+
+
+FULL = {
+    "part": "peg",
+    "T_world_part": T,
+    "score": 0.8,
+    "visible": 0.7,
+    "gap": 0.1,
+    "residual": 0.0002,
+    "roll_known": False,
+    "covariance": np.diag([1e-8, 2e-8, 3e-8, 1e-6, 2e-6, 3e-6]),
+    "probability": 0.9,
+    "roll_axis": np.array([[0.001, 0.0, 0.0], [0.0, 0.6, 0.8]]),
+    "T_world_found": T * T,
+    "by_colour": False,
+}
+
+
+def test_every_field_of_a_detection_comes_back() -> None:
+    assert list(FULL) == [field.name for field in fields(Detection)]
+    for by_colour in (False, True):
+        found = Detection(**{**FULL, "by_colour": by_colour})
+        table = Table(Path("plan.json"), canonical(found))
+        again = read_detection(table, complete=True)
+        assert canonical(again) == canonical(found)
+        assert canonical(found).keys() == FULL.keys()
+
+
+def test_by_what_a_part_was_told_apart_comes_back_from_a_file(tmp_path: Path) -> None:
+    coloured = tuple(Detection("peg", T, by_colour=by) for by in (True, False, None))
+    write_poses(tmp_path / "poses.json", coloured)
+    assert [found.by_colour for found in read_poses(tmp_path / "poses.json", "any")] == [
+        True,
+        False,
+        None,
+    ]
 
 
 def test_part_and_pose_are_enough(tmp_path: Path) -> None:

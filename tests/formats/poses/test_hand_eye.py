@@ -77,6 +77,23 @@ def test_flange_poses_are_read_as_the_pendant_shows_them(tmp_path, pairs, both):
     same(read_pairs(path, written=kuka), pairs)
 
 
+def test_with_abb_seven_numbers_of_a_target_are_in_its_form_or_refused(tmp_path, pairs):
+    abb, path = convention("abb"), tmp_path / "pairs.csv"
+
+    def row(seen: list[float]) -> str:
+        return ",".join(map(str, [*abb.show(flange), *seen]))
+
+    flange, target = pairs[0]
+    x, y, z, w = pin.Quaternion(target.rotation).coeffs()
+    path.write_text(row(abb.show(target)))
+    same(read_pairs(path, written=abb), pairs[:1])
+    path.write_text(row(target.homogeneous.ravel().tolist()))
+    same(read_pairs(path, written=abb), pairs[:1])
+    path.write_text(row([*target.translation, x, y, z, w]))
+    with pytest.raises(InputError, match=r"line 1: the target is .* mm from the camera"):
+        read_pairs(path, written=abb)
+
+
 def test_matrices_of_opencv_are_read(tmp_path, pairs):
     text = "%YAML:1.0\nframeCount: 5\n"
     for number, (flange, target) in enumerate(pairs):

@@ -4,12 +4,13 @@ from threading import Event
 
 import numpy as np
 import pytest
+from waiting import wait_until
 
 import workbench.app.review.drift_process
 import workbench.app.review.scanner_drift
 from workbench.app.review.scanner_drift import RecordedDrift
 from workbench.gui.calibration.drift import LOOK, DriftGroup, course_html
-from workbench.model.errors import InputError
+from workbench.model.errors import InputError, JobCancelled
 from workbench.perception.calibration.refinement import Drift
 
 
@@ -58,3 +59,21 @@ def test_days_are_drawn_with_what_they_tell():
     assert "Shift, by table" in html and html.count("<path") == 1
     assert "Turn" not in html
     assert course_html("table", np.array([4]), moved[:1]) == ""
+
+
+def test_a_look_at_recorded_scans_ends_with_its_browser(visitor, monkeypatch):
+    began, ended = Event(), []
+
+    def wait_until_given_up(bench, given_up):
+        began.set()
+        ended.append(given_up.wait(30))
+        raise JobCancelled("given up")
+
+    drift = DriftGroup(visitor, lambda: "Ada")
+    monkeypatch.setattr(drift, "_read_change", wait_until_given_up)
+    drift._began()
+    assert began.wait(30)
+    drift._began()  # one at a time
+    visitor.end(is_gone=True)
+    wait_until(lambda: ended, "the end of the look")
+    assert ended == [True]

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -172,5 +173,66 @@ def test_a_dark_page_keeps_its_floor_when_the_cell_changes(page, bench):
     async def sit_there() -> None:
         async with raw_browser(int(page.url.rpartition(":")[2])):
             await asyncio.to_thread(darken_and_change)
+
+    asyncio.run(sit_there())
+
+
+@pytest.mark.parametrize("goes_back", [False, True])
+@pytest.mark.parametrize("name", ["_use", "_add_parts", "_draw_paths", "_pose"])
+def test_of_a_scene_that_failed_everything_is_drawn_next_time(page, bench, states, name, goes_back):
+    renderer, scene = page._renderer, page._renderer._scene
+    wait_until(lambda: renderer._drawn is not None, "the first drawing")
+    whole, failures, confirmed = getattr(scene, name), [], []
+    renderer._player.drawn = confirmed.append
+
+    def fail(*args):
+        setattr(scene, name, whole)
+        failures.append(1)
+        confirmed.clear()
+        if goes_back:
+            renderer._bench = bench
+        raise ValueError("no picture")
+
+    setattr(scene, name, fail)
+    cell = bench.state.cell
+    T = pose_from_rpy((0.01, 0.0, 0.0)) * cell.bin.T_world_bin
+    moved = replace(cell, bin=replace(cell.bin, T_world_bin=T))
+    renderer._bench = SimpleNamespace(state=replace(states.planned, cell=moved), live=bench.live)
+    renderer._look.change(time=0.2)
+    wait_until(lambda: failures and confirmed, "a whole drawing")
+    shown, node = moved if not goes_back else cell, scene._scene.get_handle_by_name
+    for drawn in ("/parts/part-1", "/path/right", "/scan"):
+        assert (node(drawn) is None) == goes_back, drawn
+    at = node("/bin").position
+    np.testing.assert_allclose(at, shown.bin.T_world_bin.translation, atol=1e-9)
+
+
+def test_controls_that_failed_are_drawn_anew_and_what_plays_there_was_not_watched(page):
+    renderer = page._renderer
+    shown, confirmed = [], []
+
+    def fail_once() -> None:
+        wait_until(lambda: renderer._panels, "the controls")
+        ((number, (header, *_)),) = renderer._panels.items()
+        whole = header.show
+
+        def show(old, new):
+            if new.look.frames:
+                shown.append(old)
+                if len(shown) == 1:
+                    raise ValueError("no controls")
+            whole(old, new)
+
+        header.show = show
+        renderer._player.drawn = confirmed.append
+        renderer._look.change(frames=True, browser=number)
+        wait_until(lambda: len(shown) > 2, "the drawings after it")
+        assert shown[0] is not None and shown[1] is None and shown[2] is not None
+        framed = [view for view in confirmed if view.look.frames]
+        assert 1 <= len(framed) < len(shown)
+
+    async def sit_there() -> None:
+        async with raw_browser(int(page.url.rpartition(":")[2])):
+            await asyncio.to_thread(fail_once)
 
     asyncio.run(sit_there())

@@ -124,3 +124,14 @@ def test_buttons_that_nothing_is_explained_of_say_what_they_were_made_with(visit
     visitor.show_button_texts()
     assert visitor._style.content.count("--wb-told") == 1
     assert '--wb-told:"Two clicks."' in visitor._style.content
+
+
+def test_what_cannot_be_ended_keeps_nothing_else_going(visitor_of, caplog):
+    visitor, ended = visitor_of(BOB), []
+    visitor.on_end(lambda: ended.append("first"))
+    visitor.on_end(lambda: 1 / 0)
+    visitor.on_end(lambda: ended.append("last"))
+    visitor.on_end(lambda: ended.append("in scene"), in_scene=True)
+    visitor.end(is_gone=True)
+    assert ended == ["first", "last"]
+    assert "could not be ended" in caplog.text

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from workbench.model.calibration import BallPlate
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.perception.calibration.calibrate import PlatePose, calibrate
+from workbench.perception.calibration.calibrate import PlatePose, _check, calibrate
 from workbench.perception.calibration.rigid import fitted_motion
 
 X = pose_from_rpy((0.41, 0.01, 0.9), (np.pi + 0.02, 0.01, 1.5))
@@ -153,6 +153,20 @@ def test_turns_about_one_axis_leave_the_position_along_it_open():
     with pytest.raises(InputError, match=r"\(-?0\.00, -?0\.00, -?1\.00\) in the world") as refused:
         calibrate(seen([(0.0, 0.0, 0.4 * k) for k in range(8)]), CENTRES)
     assert "one axis only" in str(refused.value)
+
+
+@pytest.mark.parametrize(("tilt", "is_enough"), [(10, False), (16, True)])
+def test_the_order_of_poses_does_not_decide_whether_they_turn_enough(tilt, is_enough):
+    turns = [(0, np.deg2rad(y), 0) for y in (-25, -10, 10, 25)] + [(np.deg2rad(tilt), 0, 0)]
+    poses = seen(turns, noise=0)
+    problems = []
+    for first in range(len(poses)):
+        try:
+            _check([*poses[first:], *poses[:first]])
+        except InputError as error:
+            problems.append(str(error))
+    assert len(problems) == (0 if is_enough else len(poses))
+    assert all("one axis" in problem for problem in problems)
 
 
 def test_poses_that_all_disagree_are_refused():

@@ -51,6 +51,13 @@ def test_points_that_are_dense_enough_stay_as_they_are():
     assert densify(points, spacing * 1.01) is points
 
 
+def test_a_stray_point_beside_the_scanner_does_not_widen_the_picture():
+    points = wall(2000, 1.0, 0.1)
+    strays = np.vstack([[[0.1, -0.1, 1e-6]], points])
+    for alone, also in zip(spacing_of(points), spacing_of(strays), strict=True):
+        np.testing.assert_allclose(also, alone)
+
+
 def thinned(scan, count):
     kept = np.sort(np.random.default_rng(0).permutation(len(scan.points))[:count])
     return replace(scan, points=scan.points[kept], pixels=None, resolution=None)

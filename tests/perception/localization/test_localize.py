@@ -206,6 +206,16 @@ def test_points_beside_and_behind_the_scanner_are_left_out(part, cell, depth):
     assert localize(Scan(points, low, "test"), part, cell, seed=0) == ()
 
 
+def test_parts_are_found_where_a_corner_of_the_bin_is_behind_the_scanner(cell, part):
+    length, width, _ = cell.bin.size
+    truth = drop_parts((part,) * 2, cell.bin, seed=1)
+    scan = synthesize(cell, truth, seed=1)
+    away = (cell.bin.T_world_bin.inverse() * scan.T_world_scanner).translation[2]
+    deep = replace(cell, bin=replace(cell.bin, size=np.array([length, width, away + 0.05])))
+    wrong, missed, *_ = compared(part, truth, localize(scan, part, deep, seed=0))
+    assert (wrong, missed) == ([], 0)
+
+
 def test_roll_is_only_claimed_where_it_shows(cell, part):
     """Lying with the key upwards it shows; lying on the key nothing tells the roll."""
     down = []

@@ -66,3 +66,9 @@ def test_points_beside_and_behind_the_scanner_are_left_out():
 
 def test_points_in_one_direction_tell_nothing():
     assert sensor_model(np.tile([0.1, 0.2, 1.0], (1000, 1))).noise is None
+
+
+def test_a_stray_point_beside_the_scanner_changes_nothing():
+    stray = np.array([[0.1, -0.1, 1e-6]])
+    alone = sensor_model(plane(step=0.0004)).noise
+    assert sensor_model(np.vstack([stray, plane(step=0.0004)])).noise == alone

@@ -89,3 +89,14 @@ def test_points_far_away_do_not_exhaust_the_memory(far):
     boxes = unexplained(CELL, Scan(points, scan.T_world_scanner, "far"), detections[:-1])
     assert boxes
     assert all(np.abs(one.T_world_box.translation).max() < 2 for one in boxes)
+
+
+@pytest.mark.parametrize("count", [5, 49, 50, 300])
+def test_however_few_points_are_in_reach_a_dense_block_of_them_is_an_obstacle(count):
+    generator = np.random.default_rng(0)
+    at = CELL.bin.T_world_bin.translation + (0.03, 0.05, 0.04)
+    points = at + generator.uniform(-0.004, 0.004, (count, 3))
+    T = CELL.scanner.T_world_scanner.inverse()
+    scan = Scan(points @ T.rotation.T + T.translation, T.inverse(), "few")
+    boxes = unexplained(CELL, scan, ())
+    assert np.any([holds(one, points) for one in boxes], axis=0).mean() > 0.9

@@ -115,6 +115,7 @@ def read_detection(table: Table, *, complete: bool) -> Detection:
         T_world_found=read_pose_rows(table, "T_world_found")
         if complete and table.has("T_world_found")
         else None,
+        by_colour=table.flag("by_colour") if table.has("by_colour") else None,
     )
     table.finish()
     return detection

@@ -27,6 +27,9 @@ LARGEST = 4_000_000
 FARTHEST = 20.0
 """[m] No flange and no target is further away: such numbers are millimetres."""
 
+NEAREST = 0.01
+"""[m] No camera sees a target so near: such numbers are metres."""
+
 Style = Literal["opencv", "ros", "zivid"]
 
 PAIRS = (("effector_wrt_world", "object_wrt_sensor"), ("robot", "tracking"))
@@ -56,7 +59,8 @@ def read_pairs(
             matrices row by row; or YAML, or a folder, as above.
         in_hand: whether the robot holds the camera; easy_handeye writes the other poses inverted.
         unit: of lengths [m], where the format has none of its own.
-        written: how the flange's pose is written in a CSV file, as the pendant shows it.
+        written: how the flange's pose is written in a CSV file, as the pendant shows it; the
+            target's, too, where it has as many numbers.
 
     Raises:
         FileError: there is no such file, or it is none of these.
@@ -108,6 +112,12 @@ def _csv_pairs(path: Path, unit: float, written: PoseConvention | None) -> Itera
             same = written is not None and len(values) == 2 * half
             rest = values[half:]
             target = written.pose(rest) if written and same else _pose(rest, unit)
+            if same and np.linalg.norm(target.translation) < NEAREST:
+                far = np.linalg.norm(target.translation) * 1000
+                raise InputError(
+                    f"the target is {far:.3g} mm from the camera: as many numbers as the pendant "
+                    "shows are in its form, millimetres; give another form as a matrix"
+                )
         except InputError as error:
             raise InputError(f"{path}, line {line}: {error}") from None
         yield PosePair(f"line {line}", flange, target)

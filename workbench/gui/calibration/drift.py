@@ -47,6 +47,7 @@ class DriftGroup:
         self._visitor, self._who = visitor, who
         self._found: tuple[str, Callable[[float, str], Cell]] | None = None
         self._given_up: threading.Event | None = None
+        self._beginning = threading.Lock()
         gui = visitor.gui
         with group(gui, "4 · Drift", expand_by_default=False):
             self._says = gui.add_html("")
@@ -59,6 +60,7 @@ class DriftGroup:
         self._look.on_click(lambda _: self._began())
         self._cancel.on_click(lambda _: self._gave_up())
         visitor.on_press(self._take, self._take_drift)
+        visitor.on_end(self._gave_up)
 
     def show(self, new: View) -> None:
         """Let be used what can be used of a cell as it is now."""
@@ -69,16 +71,18 @@ class DriftGroup:
         self._visitor.admit(self._take, state, ChangeCell, otherwise="" if is_of_it else NOTHING)
 
     def _began(self) -> None:
-        if self._given_up is None and isinstance(self._visitor.bench, Bench):
-            self._given_up = threading.Event()
-            looked = threading.Thread(
-                target=self._look_for_drift, args=(self._given_up,), name="drift", daemon=True
-            )
-            looked.start()
+        with self._beginning:
+            if self._given_up is not None or not isinstance(self._visitor.bench, Bench):
+                return
+            given_up = self._given_up = threading.Event()
+        threading.Thread(
+            target=self._look_for_drift, args=(given_up,), name="drift", daemon=True
+        ).start()
 
     def _gave_up(self) -> None:
-        if self._given_up is not None:
-            self._given_up.set()
+        given_up = self._given_up
+        if given_up is not None:
+            given_up.set()
 
     def _look_for_drift(self, given_up: threading.Event) -> None:
         """Look through the sessions; that takes some seconds for each week."""

@@ -46,7 +46,8 @@ class GraspsPanel:
     """The list of grasps, the stage, and the controls of the chosen grasp.
 
     Concurrency: callbacks of viser, the renderer's thread, and one thread that looks at all
-    grasps of the part; what they change are handles, and `_checks` as a whole.
+    grasps of the part; what they change are handles, and `_checks` as a whole.  The stage is drawn
+    on under `_drawing`.
     """
 
     def __init__(self, visitor: Visitor):
@@ -151,11 +152,12 @@ class GraspsPanel:
     def _other_part(self, name: str) -> None:
         entries = self._visitor.cell.part(name).library.entries
         self._editing.choose(part=name, entry=entries[0].name if entries else "")
-        if self._stage.is_open:
-            self._stage.close()
-            self._stage.open(self._editing.part, self._on_click)
-            self._label_add()
-            self._draw()
+        with self._drawing:
+            if self._stage.is_open:
+                self._stage.close()
+                self._stage.open(self._editing.part, self._on_click)
+                self._label_add()
+                self._draw()
 
     def _draw(self) -> None:
         """Show the part's grasps as they are now."""
@@ -167,6 +169,7 @@ class GraspsPanel:
         """Nothing is drawn from now on: a look at the grasps may end after these controls have."""
         with self._drawing:
             self._has_ended = True
+        self._looker.shutdown(wait=False, cancel_futures=True)
 
     def _draw_all(self) -> None:
         self._list_things()  # which may be a choice
@@ -242,7 +245,7 @@ class GraspsPanel:
         found: dict[str, GraspCheck | None] = {}
         try:
             for entry in part.library.entries:
-                if key != self._checked:
+                if key != self._checked or self._has_ended:
                     return
                 checks = [self._editing.check(grasp) for grasp in grasps_of(entry)]
                 found[entry.name] = next((check for check in checks if not check.is_ok), checks[0])
@@ -255,16 +258,17 @@ class GraspsPanel:
 
     def _turn(self) -> None:
         """To the part alone, or back to the cell."""
-        self._is_adding = False
-        if self._stage.is_open:
-            self._leave_stage()
-            self._open.label = "Open part"
-        else:
-            self._visitor.turn_away()
-            self._stage.open(self._editing.part, self._on_click)
-            self._open.label = "Back to cell"
-        self._label_add()
-        self._draw()
+        with self._drawing:
+            self._is_adding = False
+            if self._stage.is_open:
+                self._leave_stage()
+                self._open.label = "Open part"
+            else:
+                self._visitor.turn_away()
+                self._stage.open(self._editing.part, self._on_click)
+                self._open.label = "Back to cell"
+            self._label_add()
+            self._draw()
 
     def _on_step(self) -> None:
         """Another copy of the chosen grasp is viewed: with the part alone."""
@@ -335,6 +339,7 @@ class GraspsPanel:
         """Show a grasp that is not, or not yet, in the library."""
         check = self._editing.check(grasp)
         self._line.content = check_line(grasp.name, check, self._visitor.words)
-        if self._stage.is_open:
-            tool = self._editing.tool
-            self._stage.show_tool(tool, grasp.T_part_tcp, grasp.opening, check.is_ok)
+        with self._drawing:
+            if self._stage.is_open:
+                tool = self._editing.tool
+                self._stage.show_tool(tool, grasp.T_part_tcp, grasp.opening, check.is_ok)

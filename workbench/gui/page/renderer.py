@@ -119,6 +119,9 @@ class Renderer:
         self._sureness = Sureness(self._woken.set)
         self._counted = EntryCounter(bench, self._woken.set)
         self._drawn: View | None = None
+        # What the scene shows, None where drawing it failed; and panels that failed.
+        self._in_scene: View | None = None
+        self._stale: set[Panel] = set()
         with server.atomic():
             self._scene = ScenePicture(server, bench.cell, most_points=most_points)
         self._unsubscribe = bench.subscribe(lambda old, new: self._woken.set())
@@ -195,12 +198,14 @@ class Renderer:
             for visitor in tuple(self._visitors.values()):
                 _run_shielded(partial(self._rebuild, visitor, new))
         with self._server.atomic():
-            is_drawn = _run_shielded(lambda: self._scene.draw(old, new))
+            is_drawn = _run_shielded(partial(self._scene.draw, self._in_scene, new))
+        self._in_scene = new if is_drawn else None
         self._end_own_views(old, new)
         for visitor in tuple(self._visitors.values()):
             _run_shielded(partial(self._show, visitor, new))
         self._drawn = new
-        if is_drawn:
+        playing = (some for number, some in self._panels.items() if number == new.look.browser)
+        if is_drawn and all(map(self._stale.isdisjoint, playing)):
             self._player.drawn(new)
 
     def _end_own_views(self, old: View | None, new: View) -> None:
@@ -231,10 +236,13 @@ class Renderer:
 
     def _show(self, visitor: Visitor, shared: View) -> None:
         """Bring one browser's controls, and what it alone sees, to the newest view."""
-        old = self._shown.get(visitor.number)
+        old, panels = self._shown.get(visitor.number), self._panels.get(visitor.number, ())
+        failed = self._stale.intersection(panels)
+        self._stale.update(panels)  # until they are drawn: this may fail, and is tried again
         new = self._own_views.of(visitor.own.now, old, shared)
-        for panel in self._panels.get(visitor.number, ()):
-            _run_shielded(lambda panel=panel: panel.show(old, new))
+        for panel in panels:
+            if _run_shielded(partial(panel.show, None if panel in failed else old, new)):
+                self._stale.discard(panel)
         _run_shielded(visitor.show_button_texts)
         self._shown[visitor.number] = new
 
@@ -331,15 +339,18 @@ class Renderer:
         self._panels[client.client_id] = panels
 
     def _bid_farewell(self, client: viser.ClientHandle) -> None:
-        self._panels.pop(client.client_id, None)
+        self._forget_panels(client.client_id)
         self._shown.pop(client.client_id, None)
         visitor = self._visitors.pop(client.client_id, None)
         if visitor is not None:
             _run_shielded(partial(visitor.end, is_gone=True))
 
+    def _forget_panels(self, number: int) -> None:
+        self._stale.difference_update(self._panels.pop(number, ()))
+
     def _rebuild(self, visitor: Visitor, view: View) -> None:
         """Make the controls of a browser anew, for another cell."""
-        self._panels.pop(visitor.number, None)
+        self._forget_panels(visitor.number)
         _run_shielded(partial(visitor.end, is_gone=False))
         visitor.gui.reset()
         self._welcome(visitor.client, view, is_dark=visitor.is_dark)

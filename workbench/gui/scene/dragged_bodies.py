@@ -59,7 +59,7 @@ class DrawnLost:
         self._scene = scene
         self._held: Mapping[str, tuple[Mesh, pin.SE3]] = {}
         self._heard_at = 0.0
-        self._is_drawn = False
+        self._is_drawn: bool | None = False
 
     def draw(self, view: View, kinematics: Kinematics) -> None:
         """Show what hands held when their robot was heard of last, until it is heard of again."""
@@ -74,8 +74,9 @@ class DrawnLost:
         is_wanted = bool(self._held) and is_lost and not state.plans
         if is_wanted == self._is_drawn:
             return
-        self._is_drawn = is_wanted
+        self._is_drawn = None  # until it is drawn
         self._scene.remove_by_name("/lost")
         for arm, (mesh, T_tcp_part) in self._held.items() if is_wanted else ():
             T_world_tcp = kinematics.tcp_pose(cell.arm(arm), view.real[arm].q)
             add_body(self._scene, f"/lost/{arm}", mesh, T_world_tcp * T_tcp_part, NOT_REPORTED)
+        self._is_drawn = is_wanted

@@ -78,6 +78,7 @@ class ScenePicture:
         self._cloud: PaintedCloud | None = None
         aim_camera(server, cell)
         self._build(cell)
+        self._is_built = True
 
     def _build(self, cell: Cell) -> None:
         """Add robot and surroundings of a cell to an empty scene."""
@@ -104,21 +105,25 @@ class ScenePicture:
 
     def _use(self, cell: Cell) -> bool:
         """Go on with another cell; whether everything has to be drawn anew."""
-        if is_other_robot(self._cell, cell):
+        is_other = not self._is_built or is_other_robot(self._cell, cell)
+        self._is_built = False  # until it is: this may fail, and is tried again
+        if is_other:
             self._scene.reset()
             self._parts = []
             self._rejected = ()
             self._build(cell)
-            return True
-        self._cell, self._kinematics = cell, Kinematics(cell)
-        remove_surroundings(self._scene)
-        add_surroundings(self._scene, cell)
-        self._candidates.use(cell, self._kinematics)
-        return False
+        else:
+            self._cell, self._kinematics = cell, Kinematics(cell)
+            remove_surroundings(self._scene)
+            add_surroundings(self._scene, cell)
+            self._candidates.use(cell, self._kinematics)
+        self._is_built = True
+        return is_other
 
     def draw(self, old: View | None, new: View) -> None:
-        """Bring the scene from `old` (None: nothing drawn yet) to `new`."""
-        if self._cell is not new.state.cell and self._use(new.state.cell):
+        """Bring the scene from `old` (None: nothing, or drawing it failed) to `new`."""
+        is_same = self._is_built and self._cell is new.state.cell
+        if not is_same and self._use(new.state.cell):
             old = None
         before, state = old and old.state, new.state
         is_other_scan = (
@@ -167,7 +172,7 @@ class ScenePicture:
         if old is None or old.look.held is not new.look.held:
             self._held.draw(new.look.held)
         shown = new.rejected if new.look.rejected else ()
-        if shown is not self._rejected:
+        if old is None or shown is not self._rejected:
             draw_rejected(self._scene, self._cell, shown)
             self._rejected = shown
         if is_other_plan or are_other_parts or is_other_time or are_other_shapes or is_elsewhere:
@@ -231,8 +236,7 @@ class ScenePicture:
             place(box, obstacle.T_world_box)
 
     def _add_parts(self, detections: tuple[Detection, ...]) -> None:
-        for node in self._parts:
-            node.remove()
+        self._scene.remove_by_name("/parts")
         self._parts = [
             self._added_part(number, detection) for number, detection in enumerate(detections)
         ]

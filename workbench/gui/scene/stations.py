@@ -92,7 +92,7 @@ class DrawnBeside:
     def __init__(self, scene: viser.SceneApi):
         """None is drawn yet."""
         self._scene = scene
-        self._drawn: tuple[Detection, ...] = ()
+        self._drawn: tuple[Detection, ...] | None = ()
 
     def draw(self, view: View, Ts_world_part: Sequence[pin.SE3]) -> None:
         """Show what stands beside the bin; `Ts_world_part` are the poses of the plan's parts.
@@ -107,6 +107,7 @@ class DrawnBeside:
         )
         if shown == self._drawn:
             return
+        self._drawn = None  # until it is drawn
         self._scene.remove_by_name("/placed")
         known = {part.name: part.mesh for part in view.state.cell.parts}
         there = [detection for detection in view.state.placed if detection.part in known]

@@ -47,6 +47,7 @@ class GraspSearch:
         self._find, self._changed = find, changed
         self._cancelled = threading.Event()
         self._is_running = False
+        self._beginning = threading.Lock()
         self._line = visitor.gui.add_html("")
         begin.on_click(lambda _: self._begin())
         stop.on_click(lambda _: self._cancelled.set())
@@ -66,10 +67,11 @@ class GraspSearch:
         self._visitor.allow(self._stop_button, "" if self._is_running else "nothing is under way")
 
     def _begin(self) -> None:
-        if self._is_running:
-            return
-        self._cancelled.clear()
-        self._is_running = True
+        with self._beginning:
+            if self._is_running:
+                return
+            self._cancelled.clear()
+            self._is_running = True
         self._changed()
         threading.Thread(target=self._work, name="searching", daemon=True).start()
 

@@ -177,8 +177,13 @@ class Visitor:
     def end(self, *, is_gone: bool) -> None:
         """These controls are used no more; `is_gone` says whether the browser is."""
         for action, in_scene in self._endings:
-            if not (in_scene and is_gone):
+            if in_scene and is_gone:
+                continue
+            try:
                 action()
+            except Exception:
+                # A rim: one thing that cannot be ended keeps no other one going.
+                log.exception("what a browser had going could not be ended")
 
     def lacks(self, state: State, command: type) -> str:
         """Why a command of this type is not this person's now, in their language; else empty.

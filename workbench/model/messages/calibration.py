@@ -231,6 +231,9 @@ class BinText(Text, subject="bin"):
     HARDLY_SEEN = "the inside of the bin is hardly visible"
     ONLY_FLAT = "only things lower than {low:mm0} lie on the floor"
     EMPTY = "nothing higher than {lowest:mm} lies on the floor"
+    EMPTY_AS_SEEN = (
+        "nothing higher than {lowest:mm} lies on the {seen:%} of the floor that the scan shows"
+    )
     OVERFILLED = "overfilled: parts lie {above:mm0} above the allowed height of {height:mm0}"
     STANDS_TOO_HIGH = "a part stands {above:mm0} above the allowed height of {height:mm0}"
     NO_SURFACE = (

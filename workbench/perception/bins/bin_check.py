@@ -57,6 +57,9 @@ full then.  Below that a part stands upright, or leans on a wall."""
 EMPTY = 0.004
 """Share of the floor that may be covered in an empty bin: noise."""
 
+WHOLE = 0.95
+"""Where less than this share of the floor is seen, it is said how much."""
+
 
 def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     """Look at the bin in a scan.
@@ -156,7 +159,10 @@ def _is_empty(filling: Filling, findings: list[Message]) -> bool:
     if filling.is_flat_seen:
         findings.append(BinText.ONLY_FLAT(low=LOW))
         return False
-    findings.append(BinText.EMPTY(lowest=filling.lowest))
+    if filling.seen < WHOLE:
+        findings.append(BinText.EMPTY_AS_SEEN(lowest=filling.lowest, seen=filling.seen))
+    else:
+        findings.append(BinText.EMPTY(lowest=filling.lowest))
     return True
 
 

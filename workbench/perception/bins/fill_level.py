@@ -76,7 +76,8 @@ class Filling:
 
     `fill` is the share of its room that is taken, None where its inside is hardly seen; `above` [m]
     how far something sticks out; `covered` the share of the floor under something higher than
-    `LOW`.  `is_flat_seen`: something lies there that is higher than `lowest` [m].
+    `LOW`.  `is_flat_seen`: something lies there that is higher than `lowest` [m].  `seen` is the
+    share of the inside of which something was seen.
     """
 
     fill: float | None
@@ -84,6 +85,7 @@ class Filling:
     covered: float
     lowest: float
     is_flat_seen: bool
+    seen: float
 
 
 def filled(p_bin: Floats, bin: Bin, seen: SeenBin) -> Filling:
@@ -102,8 +104,9 @@ def filled(p_bin: Floats, bin: Bin, seen: SeenBin) -> Filling:
     total = int(np.prod(shape))
     count = np.bincount(flat, minlength=total)
     shown = count > 0
-    if shown.sum() < LEAST_INSIDE * total:
-        return Filling(None, 0.0, 0.0, LOW, is_flat_seen=False)
+    share = float(shown.mean())
+    if share < LEAST_INSIDE:
+        return Filling(None, 0.0, 0.0, LOW, is_flat_seen=False, seen=share)
     # The mean of a piece does not jump with one stray point, as its highest would.
     heights = (np.bincount(flat, inside[:, 2], total) / np.maximum(count, 1))[shown]
     over_floor = above_floor(seen, bin.size, inside)
@@ -118,6 +121,7 @@ def filled(p_bin: Floats, bin: Bin, seen: SeenBin) -> Filling:
         float(np.mean(deep > LOW)),
         lowest,
         is_flat_seen=_is_flat_seen(inside, over_floor > lowest, np.asarray(bin.size[:2]) / 2),
+        seen=share,
     )
 
 

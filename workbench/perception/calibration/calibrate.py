@@ -59,7 +59,7 @@ SAME = (0.005, np.deg2rad(3.0))
 """[m, rad] Poses of the flange nearer to each other than this are one."""
 
 TURNED = np.deg2rad(8.0)
-"""[rad] By which the flange must turn about two axes, RMS, between the poses."""
+"""[rad] By which the flange must turn about two axes, RMS, between two poses."""
 
 LARGEST_ERROR = (0.003, np.deg2rad(0.3))
 """[m, rad] Standard errors above which a calibration is refused."""
@@ -118,14 +118,16 @@ def _check(poses: Sequence[PlatePose]) -> None:
         few = PlateText.TOO_FEW_POSES(fewest=FEWEST, advised=ADVISED, count=len(distinct))
         alike = all_of(same)
         raise InputError(few if alike is None else PlateText.SINCE_SAME(problem=few, same=alike))
-    first = distinct[0].T_world_flange.rotation
-    turns = np.array([pin.log3(first.T @ pose.T_world_flange.rotation) for pose in distinct])
+    rotations = np.array([pose.T_world_flange.rotation for pose in distinct])
+    # About their mean, so that no order of the poses matters.
+    mean = _rotation(rotations.sum(axis=0))
+    turns = np.array([pin.log3(mean.T @ rotation) for rotation in rotations])
     _, sizes, axes = np.linalg.svd(turns)
-    sizes /= np.sqrt(len(distinct))
+    sizes *= np.sqrt(2 / len(distinct))  # of two poses, not of one and the mean
     if sizes[0] < TURNED:
         raise InputError(PlateText.NOT_TURNED())
     if sizes[1] < TURNED:
-        axis = ", ".join(f"{value:.2f}" for value in first @ axes[0] + 0.0)
+        axis = ", ".join(f"{value:.2f}" for value in mean @ axes[0] + 0.0)
         raise InputError(PlateText.ONE_AXIS(axis=axis))
 
 

@@ -49,7 +49,8 @@ kinds that were taken for one 0.25 and less."""
 
 TURNED_RIGHT = 0.985
 """Share of those that do stand there whose pose is right: of 431 in simulated piles, as six kinds
-of scanner see them, 423 were within 2 mm and 3 degrees, the others at any ratio."""
+of scanner see them, 423 were within 2 mm and 3 degrees, the others at any ratio.  That is 0.981,
+give or take 0.007."""
 
 
 def probability_of(ratio: float, explained: float) -> float:

@@ -127,11 +127,9 @@ def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) 
     reach = np.array([*(bin.size[:2] / 2 + beside), bin.size[2] + size])
     points = scan.points[_near_bin(scan.points, T_bin_scanner.homogeneous, reach)]
     shown = bin.size if bin.has_walls else bin.size + [size, size, 0.0]
-    corners = _corners(shown, T_bin_scanner.inverse())
-    if len(points) == 0 or corners[:, 2].min() <= 0:
+    if len(points) == 0:
         return None
-    image = corners[:, :2] / corners[:, 2:]
-    low, high = image.min(axis=0), image.max(axis=0)
+    low, high = _picture(_corners(shown, T_bin_scanner.inverse()), points)
     distance = float(np.linalg.norm(T_bin_scanner.translation))
     density = _density(points, low, high)
     widest = np.sqrt(float(np.prod(high - low)) / MOST_PIXELS)
@@ -153,6 +151,21 @@ def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) 
     if not foreground.any():
         return None
     return DepthMap(camera, rays, depth, normals, foreground, step * distance)
+
+
+def _picture(corners: Floats, points: Floats) -> tuple[Floats, Floats]:
+    """The corners (2,) of the picture on the plane z = 1.
+
+    Args:
+        corners: (8, 3) [m] of the bin.  Where one of them is behind the scanner its whole inside
+            fits in no picture: that of nearly all points, then.
+        points: (n, 3) [m] of the bin, before the scanner.
+    """
+    if corners[:, 2].min() > 0:
+        image = corners[:, :2] / corners[:, 2:]
+        return image.min(axis=0), image.max(axis=0)
+    low, high = np.quantile(points[:, :2] / points[:, 2:], (0.005, 0.995), axis=0)
+    return low, np.maximum(high, low + 1e-6)
 
 
 def _density(points: Floats, low: Floats, high: Floats) -> float:

@@ -14,7 +14,7 @@ from workbench.perception.views.surfaces import add_surface
 def grow_surface(surface: PartSurface, by: float) -> PartSurface:
     """The surface of a part whose faces lie `by` [m] further outside, inside where negative.
 
-    What votes are by stays as it was: it is as coarse as the difference.
+    The features that votes are by stay as they were: they are as coarse as the difference.
     """
 
     def moved(vertices: Floats, triangles: Ints) -> Floats:

@@ -17,6 +17,7 @@ from workbench.model.derived.by_view import scans_by_view
 from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.robot import ScannedView
 from workbench.model.scan import Scan
+from workbench.perception.views.camera import picture_bounds
 
 AROUND = 0.02
 """[m] Points this far outside of the bin, and above its rim, are compared, too."""
@@ -128,11 +129,13 @@ def _looked_through(cell: Cell, scan: Scan, other: Scan) -> float:
     p = _around(cell, scan) @ T.rotation.T + T.translation
     ahead = other.points[other.points[:, 2] > 0]
     image = ahead[:, :2] / ahead[:, 2:]
-    low, high = image.min(axis=0), image.max(axis=0)
+    low, high = picture_bounds(image)
+    is_in = ((image >= low) & (image <= high)).all(axis=1)
+    image, depths = image[is_in], ahead[is_in, 2]
     width = WIDE * max(float(np.sqrt(np.prod(high - low) / len(image))), 1e-6)
     shape = np.floor((high - low) / width).astype(int) + 1
     nearest = np.full(shape, np.inf)
-    np.minimum.at(nearest, tuple(np.floor((image - low) / width).astype(int).T), ahead[:, 2])
+    np.minimum.at(nearest, tuple(np.floor((image - low) / width).astype(int).T), depths)
     p = p[p[:, 2] > 0]
     at = np.floor((p[:, :2] / p[:, 2:] - low) / width).astype(int)
     is_shown = ((at >= 0) & (at < shape)).all(axis=1)

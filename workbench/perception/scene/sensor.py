@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
+from workbench.perception.views.camera import picture_bounds
 
 NARROW, WIDE = (40, 160), (16, 1000)
 """Windows along the longer side of the image, and about how many points are taken in each."""
@@ -77,8 +78,9 @@ def _noise(points: Floats, windows: tuple[int, int], stray: float) -> float | No
     count, wanted = windows
     if len(points) < FEWEST_WINDOWS * FEWEST_POINTS:
         return None
-    low = np.array([(points[:, k] / points[:, 2]).min() for k in (0, 1)])
-    high = np.array([(points[:, k] / points[:, 2]).max() for k in (0, 1)])
+    image = points[:, :2] / points[:, 2:]
+    low, high = picture_bounds(image)
+    points = points[((image >= low) & (image <= high)).all(axis=1)]
     step = float((high - low).max()) / count
     if not step > 0:
         return None

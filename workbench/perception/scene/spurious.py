@@ -29,7 +29,7 @@ BESIDE = 1.5
 """Pixels from a point to where the surfaces are that it may be mixed of."""
 
 FEW = 50
-"""Points from which nothing is reported about a scan."""
+"""With fewer points nothing is known of how dense they are."""
 
 MOST = 50_000
 """Points by which that is measured; of more of them every second, third, ... is left out."""
@@ -42,6 +42,8 @@ _CLOCK = np.linspace(0.0, 2 * np.pi, 8, endpoint=False)
 
 def pixel_angle(points: Floats, chosen: Ints) -> float:
     """The angle [rad] between neighbouring points, as the one in the middle of all sees it.
+
+    It is 0 where fewer than `FEW` points are there.
 
     Args:
         points: (n, 3) [m] in the scanner's frame, organised or not.
@@ -81,10 +83,13 @@ def believed(
     Args:
         voxels: points that nothing explains.
         eye: (3,) [m] where they were seen from.
-        angle: between pixels [rad].
+        angle: between pixels [rad]; 0: not known.
         pitch: between points on what the scanner looks at [m].
         known: the surfaces that are known, in the frame of the voxels.
     """
+    if angle == 0.0:
+        # How dense they are nobody knows: all of them, or so few that they are no thing.
+        return np.full(len(voxels.counts), voxels.counts.sum() >= FEWEST)
     width = max(2, int(np.ceil(max(NARROWEST, 2 * pitch) / voxels.edge)))
     blocks = Blocks(voxels, width)
     seen = blocks.sums(voxels.counts)

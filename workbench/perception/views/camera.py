@@ -7,6 +7,22 @@ import numpy as np
 from workbench.model.cell import ScannerMount
 from workbench.model.geometry import Floats, frozen, put
 
+RARE, SAMPLED = 0.002, 50_000
+"""Share of points that set no bounds of a picture, and points by which that is measured."""
+
+
+def picture_bounds(image: Floats) -> tuple[Floats, Floats]:
+    """The corners (2,) of the picture of points (n, 2) on the plane z = 1; no unit.
+
+    A stray point beside the scanner would make it endless.  So what is further from nearly all
+    others than these from each other lies outside.
+    """
+    some = image[:: max(1, len(image) // SAMPLED)]
+    first, last = np.quantile(some, (RARE, 1 - RARE), axis=0)
+    width = (last - first).max()
+    near = image[((image >= first - width) & (image <= last + width)).all(axis=1)]
+    return near.min(axis=0), near.max(axis=0)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pinhole:

@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
+from workbench.perception.views.camera import picture_bounds
 
 REACH = 1.2
 """Spacings of the points up to which a pixel is filled from its nearest point."""
@@ -60,8 +61,9 @@ def spacing_of(points: Floats) -> tuple[float, Floats, Floats]:
         The distance of neighbours, and the corners (2,) of their picture; no unit.
     """
     image = points[:, :2] / points[:, 2:]
-    low, high = image.min(axis=0), image.max(axis=0)
-    side = float(np.sqrt(np.prod(high - low) * COUNTED / len(points)))
+    low, high = picture_bounds(image)
+    image = image[((image >= low) & (image <= high)).all(axis=1)]
+    side = float(np.sqrt(np.prod(high - low) * COUNTED / len(image)))
     if not side > 0.0:
         return 0.0, low, high
     at = ((image - low) / side).astype(np.int64)

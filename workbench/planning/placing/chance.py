@@ -1,5 +1,6 @@
 """How far a part comes to lie from where it shall, and how often that is near enough."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,8 +68,8 @@ def select_counted(part: Part, detection: Detection, place: PartPlace | None) ->
     return Counted(point, np.array(free))
 
 
-def draw_errors(covariance: Floats, count: int, seed: int) -> Floats:
-    """Errors (count, 6) [m, rad] of a covariance (6, 6), the same ones each time."""
+def draw_errors(covariance: Floats, count: int, seed: int | Sequence[int]) -> Floats:
+    """Errors (count, 6) [m, rad] of a covariance (6, 6), the same ones for each `seed`."""
     normal = np.random.default_rng(seed).standard_normal((count, 6))
     # The root that is symmetric: others depend on how a machine turns the axes.
     values, axes = np.linalg.eigh(covariance)

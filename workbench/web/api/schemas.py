@@ -250,6 +250,7 @@ DETECTIONS = many(
         covariance=COVARIANCE,
         probability=NUMBER,
         roll_axis=many(POINT),
+        by_colour=FLAG,
     )
 )
 CANDIDATES = many(
