@@ -1,7 +1,6 @@
 """The controls in which grasps are edited, without a browser: what they leave as it was."""
 
 import logging
-import threading
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -27,12 +26,11 @@ from workbench.gui.grasps.library import NOW as AS_IT_IS
 from workbench.gui.grasps.library import LibraryControls
 from workbench.gui.grasps.panel import GraspsPanel
 from workbench.gui.grasps.views import check_line, refused_message, versions_html
-from workbench.gui.scene.stage import GraspStage
 from workbench.model.candidate import Reason
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import Grasp, GraspLibrary, GraspPair, grasps_of
+from workbench.model.part import Grasp, GraspLibrary, GraspPair
 from workbench.model.part_edits import grasp_of
 from workbench.model.robot import Tcp
 from workbench.planning.grasps.firmness import Firmness, in_words
@@ -380,33 +378,3 @@ def test_versions_are_told_in_the_zone_that_all_times_are_told_in(tmp_path):
         for at in ("2026-01-01T00:05:00Z", "some day")
     ]
     assert "2026-01-01 00:05 UTC" in said[0] and "some day" in said[1]
-
-
-def test_the_thread_that_looks_at_grasps_ends_with_the_controls(visitor):
-    panel = GraspsPanel(visitor)
-    panel._end_drawing()
-    panel._draw()
-    with pytest.raises(RuntimeError):
-        panel._looker.submit(print)
-
-
-def test_the_stage_is_drawn_on_by_one_thread_at_a_time(visitor, monkeypatch):
-    panel = GraspsPanel(visitor)
-    entered, left = [], []
-
-    def draw_on(self, *args):
-        entered.append(1)
-        # Whoever draws meanwhile waits.
-        thread = threading.Thread(target=lambda: (panel._draw(), left.append(1)), daemon=True)
-        thread.start()
-        thread.join(0.2)
-        assert not left
-        monkeypatch.undo()
-
-    monkeypatch.setattr(GraspStage, "open", draw_on)
-    panel._turn()
-    monkeypatch.setattr(GraspStage, "is_open", True)
-    monkeypatch.setattr(GraspStage, "show_tool", draw_on)
-    left.clear()
-    panel._preview(grasps_of(panel._editing.entry)[0])
-    assert len(entered) == 2
