@@ -20,6 +20,7 @@ from workbench.formats.plans.pose_files import (
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.recipes.joint import PlacingError
 from workbench.model.scan import Detection
 
 T = pose_from_rpy([0.41, -0.07, 0.0165], (np.pi / 2, 0.1, 0.4))
@@ -162,6 +163,7 @@ FULL = {
     "roll_axis": np.array([[0.001, 0.0, 0.0], [0.0, 0.6, 0.8]]),
     "T_world_found": T * T,
     "by_colour": False,
+    "placing": PlacingError(np.eye(6), np.diag([1e-8, 2e-8, 3e-8, 1e-6, 2e-6, 3e-6])),
 }
 
 

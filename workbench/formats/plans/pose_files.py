@@ -13,6 +13,7 @@ from workbench.formats.files.whole_files import MB, read_whole, write_whole
 from workbench.model.digest import canonical
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats, pose_from_matrix
+from workbench.model.recipes.joint import PlacingError
 from workbench.model.scan import Detection
 
 POSES_FORMAT = "workbench-poses/1"
@@ -116,6 +117,7 @@ def read_detection(table: Table, *, complete: bool) -> Detection:
         if complete and table.has("T_world_found")
         else None,
         by_colour=table.flag("by_colour") if table.has("by_colour") else None,
+        placing=_placing(table) if complete and table.has("placing") else None,
     )
     table.finish()
     return detection
@@ -131,6 +133,15 @@ def name_in(table: Table, key: str) -> str:
     if len(name) > LONGEST_NAME:
         raise table.error(key, f"has {len(name)} characters, a name at most {LONGEST_NAME}")
     return name
+
+
+def _placing(table: Table) -> PlacingError:
+    error = table.table("placing")
+    read = PlacingError(error.rows("by_scanner", 6), _covariance(error))
+    if read.by_scanner.shape != (6, 6) or np.abs(read.by_scanner).max() > WIDEST:
+        raise error.error("by_scanner", f"is not six rows of six, at most {WIDEST:g} each")
+    error.finish()
+    return read
 
 
 def _covariance(table: Table) -> Floats:
