@@ -24,6 +24,7 @@ from workbench.model.calibration import (
     PoseResidual,
 )
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.calibration import PlateText
 from workbench.model.messages.message import plain
 from workbench.model.scan import PosesFolder, Remark, SearchOverrides, SearchRecord
 
@@ -89,6 +90,8 @@ def test_poses_have_residuals_lights_and_reasons(cell, observations):
     assert "Front left" in answer and answer.count("<tr><td>") == 4
     assert "Needs &lt;4&gt;." in answer_html(cell, "needs <4>", 2)
     assert answer_html(cell, "needs 4", 0) == ""
+    few = PlateText.TOO_FEW_POSES(fewest=4, advised=8, count=1)
+    assert "wb-hint" in answer_html(cell, few, 1) and "wb-bad" in answer_html(cell, "needs 4", 1)
 
 
 def test_searches_stand_side_by_side(detections):

@@ -22,6 +22,7 @@ from workbench.model.calibration import (
 )
 from workbench.model.cell import Cell
 from workbench.model.derived.scanner_poses import calibration_covariance
+from workbench.model.messages.calibration import PlateText
 from workbench.model.messages.message import Message, as_message
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -159,7 +160,10 @@ def answer_html(
 ) -> str:
     """Before and after, and the standard errors; or why there is no answer yet."""
     if not isinstance(found, Calibration):
-        return line(f"{sentence(words.render(found))}.", kind="bad") if count else ""
+        # Too few poses are what a calibration begins with, and no failure.
+        is_begun = isinstance(found, Message) and found.text is PlateText.TOO_FEW_POSES
+        kind = "hint" if is_begun else "bad"
+        return line(f"{sentence(words.render(found))}.", kind=kind) if count else ""
     distance, angle, shift = moved_by(cell, found)
     errors = CalibrationText.STANDARD_ERRORS(position=found.position_error, angle=found.angle_error)
     agreement = CalibrationText.AGREEMENT(rms=found.rms, count=found.used)
