@@ -13,7 +13,7 @@ from workbench.devices.pick_server import server as serving
 from workbench.devices.pick_server.link import PickServer
 from workbench.model.errors import CommandRefused, InputError, JobCancelled, LinkError
 from workbench.model.robot import AxisMapping
-from workbench.plugins.misfit import mapping_problem
+from workbench.plugins.misfit import link_problem
 from workbench.plugins.robot_link import send, spoken_to_by
 from workbench.testing import check_robot_link
 
@@ -258,9 +258,9 @@ def test_a_server_is_there_for_its_next_user_whenever_the_one_before_last_had_en
 def test_another_link_refuses_a_controller_that_counts_otherwise(planned):
     cell = planned[0]
     arm = replace(cell.arms[0], mapping=AxisMapping(np.eye(6), np.zeros(6)))
-    assert mapping_problem(replace(cell, arms=(arm,))) is None
+    assert link_problem(replace(cell, arms=(arm,))) is None
     other = spoken_to_by(replace(cell, arms=(arm,)), "abb-socket")
-    assert "axis_coupling" in str(mapping_problem(other))
+    assert "axis_coupling" in str(link_problem(other))
 
 
 def test_two_arms_are_refused(planned):
