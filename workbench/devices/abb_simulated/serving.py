@@ -1,7 +1,7 @@
 """The controller's side of `abb-socket/2` without sockets: what is in order, and the answer.
 
-It keeps to the table in `abb_socket.states`.  What moves is somebody else's: `run` and `abort` go to
-whoever owns the motion, and what comes of it is reported by `note`.
+It keeps to the table in `abb_socket.states`.  What moves is somebody else's: `run` and `abort` go
+to whoever owns the motion, and what comes of it is reported by `note`.
 """
 
 import re
