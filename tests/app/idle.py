@@ -18,3 +18,16 @@ class Idle:
 
     def close(self):
         pass
+
+
+class Noting:
+    """Effects that are noted as `jobs`, for a test that answers them itself."""
+
+    def __init__(self, cell, do, now):
+        self.live, self.jobs, self.cell = Live(), [], cell
+
+    def run(self, effect):
+        self.jobs.append(effect)
+
+    def close(self):
+        pass

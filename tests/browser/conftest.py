@@ -23,6 +23,7 @@ from workbench.app.core.state import State
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import read_cell
+from workbench.gui.page.server import Page as ServedPage
 from workbench.gui.page.server import serve
 from workbench.journal.journal import Journal
 from workbench.model.cell import Controller
@@ -213,10 +214,15 @@ def bench(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Bench]:
 
 
 @pytest.fixture
-def url(bench: Bench) -> Iterator[str]:
+def served(bench: Bench) -> Iterator[ServedPage]:
     page = serve(bench, port=0, most_points=4000)
-    yield page.url
+    yield page
     page.close()
+
+
+@pytest.fixture
+def url(served: ServedPage) -> str:
+    return served.url
 
 
 @pytest.fixture

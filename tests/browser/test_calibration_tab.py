@@ -10,24 +10,11 @@ from playwright.sync_api import expect
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.picking.facts import bin_check_of
-from workbench.gui.page.server import serve
 from workbench.gui.shared.movable_frames import BIN, move_frame
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.simulation.synthesize import synthesize
 
 WRONG = pose_from_rpy((0.012, -0.008, 0.015), np.deg2rad((1.2, -0.8, 1.5)))
-
-
-@pytest.fixture
-def served(bench):
-    page = serve(bench, port=0, most_points=4000)
-    yield page
-    page.close()
-
-
-@pytest.fixture
-def url(served):
-    return served.url
 
 
 def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, served, bench, wait):

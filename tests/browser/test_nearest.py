@@ -12,7 +12,6 @@ from workbench.app.core.people import NOBODY
 from workbench.app.picking.facts import nearest_place
 from workbench.app.picking.proving import check
 from workbench.formats.plans.certificates import read_certificate
-from workbench.gui.page.server import serve
 from workbench.gui.shared.colours import BAD, rgb_of
 from workbench.gui.shared.playback import timeline
 from workbench.model.plan import at_least
@@ -21,18 +20,6 @@ from workbench.model.plan import at_least
 @pytest.fixture
 def are_filled():
     return True
-
-
-@pytest.fixture
-def served(bench):
-    page = serve(bench, port=0, most_points=4000)
-    yield page
-    page.close()
-
-
-@pytest.fixture
-def url(served):
-    return served.url
 
 
 def planned(screen, reaches):

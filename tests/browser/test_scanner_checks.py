@@ -3,27 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from hands import field, pause, unfold
 
 from workbench.app.core.cell.changes import ChangeCell
-from workbench.gui.page.server import serve
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.geometry import pose_from_rpy
 
 COVARIANCE = np.diag([3e-4] * 3 + [3e-4] * 3) ** 2
-
-
-@pytest.fixture
-def served(bench):
-    page = serve(bench, port=0, most_points=4000)
-    yield page
-    page.close()
-
-
-@pytest.fixture
-def url(served):
-    return served.url
 
 
 def test_a_scanner_is_checked_by_balls_and_by_touches(screen, served, bench, wait):

@@ -14,7 +14,6 @@ from test_page import approve, watch
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import read_cell
-from workbench.gui.page.server import serve
 from workbench.gui.shared.playback import timeline
 from workbench.journal.journal import Journal
 
@@ -34,18 +33,6 @@ def bench(robot, tmp_path):
     bench = Bench(cell, Journal(tmp_path / "session"), effects=effects)
     yield bench
     bench.close()
-
-
-@pytest.fixture
-def served(bench):
-    page = serve(bench, port=0, most_points=4000)
-    yield page
-    page.close()
-
-
-@pytest.fixture
-def url(served):
-    return served.url
 
 
 def shown(served, name):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from workbench.gui.incoming import gate
-from workbench.gui.page.server import serve
 
 LONG = 900.0
 """[s] That a plan may take to be played."""
@@ -18,18 +17,6 @@ STILL = "window.requestAnimationFrame = () => 0"
 @pytest.fixture
 def are_filled():
     return True
-
-
-@pytest.fixture
-def served(bench):
-    page = serve(bench, port=0, most_points=4000)
-    yield page
-    page.close()
-
-
-@pytest.fixture
-def url(served):
-    return served.url
 
 
 def planned(screen, reaches):

@@ -8,7 +8,6 @@ from playwright.sync_api import expect
 
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.runtime.bench import Bench
-from workbench.gui.page.server import serve
 from workbench.journal.journal import Journal
 from workbench.model.derived.scanner_poses import with_scanner_at
 from workbench.model.geometry import pose_from_rpy
@@ -23,18 +22,6 @@ def bench(tmp_path):
     bench = Bench(on_arm_cell(), Journal(tmp_path / "session"))
     yield bench
     bench.close()
-
-
-@pytest.fixture
-def served(bench):
-    page = serve(bench, port=0, most_points=4000)
-    yield page
-    page.close()
-
-
-@pytest.fixture
-def url(served):
-    return served.url
 
 
 def test_a_scanner_that_hangs_elsewhere_on_its_flange_is_found_and_put_right(

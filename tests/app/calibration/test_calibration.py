@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from idle import Noting
 
 from workbench.app.calibration.ball_plate import simulated_sight, suggested_poses
 from workbench.app.calibration.calibration import (
@@ -20,7 +21,6 @@ from workbench.app.core.people import WORKER
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.app.review.recompute import recompute_tasks
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.live import Live
 from workbench.app.runtime.work import JOBS
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
@@ -31,19 +31,6 @@ from workbench.perception.calibration.balls import sight_plate
 
 PLATE = BallPlate()
 WRONG = pose_from_rpy((0.012, -0.008, 0.015), np.deg2rad((1.2, -0.8, 1.5)))
-
-
-class Worker:
-    """Does each job at once, when it is told to answer."""
-
-    def __init__(self, cell, do, now):
-        self.live, self.jobs, self.cell = Live(), [], cell
-
-    def run(self, effect):
-        self.jobs.append(effect)
-
-    def close(self):
-        pass
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +56,7 @@ def observations(yumi, poses):
 
 @pytest.fixture
 def bench(yumi, tmp_path):
-    bench = Bench(yumi, Journal(tmp_path / "session"), effects=Worker)
+    bench = Bench(yumi, Journal(tmp_path / "session"), effects=Noting)
     yield bench
     bench.close()
 
@@ -127,7 +114,7 @@ def test_a_pose_is_scanned_recorded_and_computed_again(bench, poses, tmp_path):
     bench.close()
     journal = Journal(tmp_path / "session")
     assert [(one.task, one.says) for one in recompute_tasks(journal)] == [("sight", "equal")]
-    again = Bench(bench.cell, journal, effects=Worker)
+    again = Bench(bench.cell, journal, effects=Noting)
     assert np.array_equal(again.state.observations[0].balls, seen.balls)
     again.close()
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from idle import Noting
 
 from workbench.app.calibration.simulated_checks import simulated_place, touching_joints
 from workbench.app.core.cell.changes import ChangeCell
@@ -12,7 +13,6 @@ from workbench.app.core.people import WORKER
 from workbench.app.core.verifying import LimitChecks, RecordTouch, RemoveCheck, ScanBalls
 from workbench.app.review.recompute import recompute_tasks
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.live import Live
 from workbench.app.runtime.work import JOBS
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.calibration.check_views import touches_html, trueness_html
@@ -23,19 +23,6 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.perception.calibration.touch_test import assess_touches
 
 PLATE = BallArtefact()
-
-
-class Worker:
-    """Does nothing until it is told to answer."""
-
-    def __init__(self, cell, do, now):
-        self.live, self.jobs, self.cell = Live(), [], cell
-
-    def run(self, effect):
-        self.jobs.append(effect)
-
-    def close(self):
-        pass
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +50,7 @@ def qs(yumi):
 
 @pytest.fixture
 def bench(yumi, tmp_path):
-    bench = Bench(yumi, Journal(tmp_path / "session"), effects=Worker)
+    bench = Bench(yumi, Journal(tmp_path / "session"), effects=Noting)
     yield bench
     bench.close()
 
@@ -88,7 +75,7 @@ def test_scans_and_touches_are_recorded_judged_and_computed_again(bench, seen, q
     bench.close()
     journal = Journal(tmp_path / "session")
     assert [(one.task, one.says) for one in recompute_tasks(journal)] == [("balls", "equal")]
-    again = Bench(bench.cell, journal, effects=Worker)
+    again = Bench(bench.cell, journal, effects=Noting)
     assert [touch.name for touch in again.state.touches] == ["touch 1", "touch 2", "touch 3"]
     assert np.array_equal(again.state.ball_scans[0].balls, seen.balls)
     assert again.state.check_limits == (2e-4, 1e-3)

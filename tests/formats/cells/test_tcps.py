@@ -45,7 +45,7 @@ def test_a_tool_has_the_tcps_of_its_file(path):
         ('"angled"', '"straight"', "tcp.name: 'straight' is there 2 times"),
         ('name = "angled"\n', "", r"tcp\[2\].name: is missing; each of several TCPs needs a name"),
         ('["angled_cup"]', '["lip"]', "'angled' touches 'lip', the tool has mount, tube, cup,"),
-        ("[52, 0, 280]", "[520, 0, 280]", "'angled' lies more than 100 mm beside the tool"),
+        ("[52, 0, 280]", "[520, 0, 280]", "'angled' lies more than 100 mm outside of the tool"),
         ('["angled_cup"]', '["angled_cup"]\noutput = 8', "tcp.*output.*7"),
         ('["angled_cup"]', '["angled_cup"]\noutput = 3', "link abb-socket cannot switch the outp"),
         ('touches = ["angled_cup"]', 'touch = ["cup"]', "touch: is not known here; did you mean"),

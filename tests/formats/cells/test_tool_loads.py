@@ -56,7 +56,10 @@ def test_a_tool_states_its_load_and_keeps_it_when_it_is_written(tmp_path):
         ("mass_g = -1\n", "mass_g.*not between"),
         ("mass_g = nan\n", "mass_g.*finite"),
         ("centre_of_gravity_mm = [0, 0, 50]\n", "mass_g.*missing; centre_of_gravity_mm"),
-        ("mass_g = 230\ncentre_of_gravity_mm = [0, 0, 400]\n", "centre_of_gravity_mm.*beside"),
+        (
+            "mass_g = 230\ncentre_of_gravity_mm = [0, 0, 400]\n",
+            "centre_of_gravity_mm.*outside of the tool",
+        ),
         ("mass_g = 230\ncentre_of_gravity_mm = [0, 0]\n", "3 numbers"),
         ("mass_g = 230\ninertia_kgm2 = [0.21, 0.24, 0.09]\n", "inertia_kgm2.*another unit"),
         ("mass_g = 230\ninertia_kgm2 = [1e-4, 1e-4, 3e-4]\n", "inertia_kgm2.*sum of the others"),

@@ -73,8 +73,10 @@ def resemblance(cell: Cell, kept: object, again: object) -> Resemblance:
             return _scans(kept, again)
         case tuple(), tuple():
             return _parts(cell, kept, again)
-        case ((PlateObservation() | BallScan()), (PlateObservation() | BallScan())):
-            return _observations(kept, again)
+        case PlateObservation(), PlateObservation():
+            return _balls(kept, again) if kept.arm == again.arm else _other("")
+        case BallScan(), BallScan():
+            return _balls(kept, again)
         case PlanResult(), PlanResult():
             return _plannings(cell, kept, again)
         case Emptying(), Emptying():
@@ -162,9 +164,7 @@ def _part_problem(detection: Detection, other: Detection, distance: float, turn:
     return ""
 
 
-def _observations(
-    kept: PlateObservation | BallScan, again: PlateObservation | BallScan
-) -> Resemblance:
+def _balls(kept: PlateObservation | BallScan, again: PlateObservation | BallScan) -> Resemblance:
     if digest_of(kept) == digest_of(again):
         return EQUAL
     if kept.balls.shape != again.balls.shape:

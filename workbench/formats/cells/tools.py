@@ -29,7 +29,7 @@ LOAD_KEYS = ("mass_g", "centre_of_gravity_mm", "inertia_kgm2")
 """Keys of every tool, of a kind or not."""
 
 AROUND = 0.1
-"""[m] This far beside its solids a tool may have parts that nobody has modelled."""
+"""[m] This far around its solids a tool may have parts that nobody has modelled."""
 
 TENSOR = ((0, 3, 4), (3, 1, 5), (4, 5, 2))
 """Where xx, yy, zz, xy, xz and yz stand in a matrix of inertia."""
@@ -106,16 +106,10 @@ def _check_tcps(table: Table, tool: Tool) -> None:
     if tool.fingers and len(tool.tcps) > 1:
         problem = "several TCPs are for tools without fingers, such as suction cups"
         raise table.error("tcp", problem)
-    low, high = _box_of(tool)
     names = [solid.name for solid in (*tool.body, *(finger.solid for finger in tool.fingers))]
     for tcp in tool.tcps:
-        at = tcp.T_flange_tcp.translation
-        if len(tool.tcps) > 1 and np.any((at < low - AROUND) | (at > high + AROUND)):
-            raise table.error(
-                "tcp",
-                f"{tcp.name!r} lies more than {AROUND * 1000:g} mm beside the tool, which goes "
-                f"from {_mm(low)} to {_mm(high)} mm in the flange's frame",
-            )
+        if len(tool.tcps) > 1 and (problem := _far_from(tool, tcp.T_flange_tcp.translation)):
+            raise table.error("tcp", f"{tcp.name!r} {problem}")
         for solid in tcp.touches:
             if solid not in names:
                 problem = f"{tcp.name!r} touches {solid!r}, the tool has {', '.join(names)}"
@@ -152,16 +146,12 @@ def _with_load(table: Table, tool: Tool) -> Tool:
             raise table.error("mass_g", f"is missing; {key} says nothing without it")
     if not mass:
         return tool
-    low, high = _box_of(tool)
-    if np.any((centre < low - AROUND) | (centre > high + AROUND)):
-        raise table.error(
-            "centre_of_gravity_mm",
-            f"lies more than {AROUND * 1000:g} mm beside the tool, which goes from "
-            f"{_mm(low)} to {_mm(high)} mm in the flange's frame",
-        )
+    if problem := _far_from(tool, centre):
+        raise table.error("centre_of_gravity_mm", problem)
     inertia = np.append(moments, nothing)[list(map(list, TENSOR))]
     if problem := load_problem(mass, np.zeros(3), inertia):
         raise table.error("inertia_kgm2", problem)
+    low, high = _box_of(tool)
     # Further than this from each other no two points of the tool are.
     most = mass * float(np.linalg.norm(high - low) + 2 * AROUND) ** 2
     if float(np.abs(inertia).max()) > most:
@@ -175,6 +165,17 @@ def _with_load(table: Table, tool: Tool) -> Tool:
         mass=mass,
         centre_of_gravity=centre if table.has("centre_of_gravity_mm") else None,
         inertia=inertia if table.has("inertia_kgm2") else None,
+    )
+
+
+def _far_from(tool: Tool, point: Floats) -> str:
+    """Why a point (3,) [m] in the flange's frame does not belong to a tool; empty where it may."""
+    low, high = _box_of(tool)
+    if np.all((point >= low - AROUND) & (point <= high + AROUND)):
+        return ""
+    return (
+        f"lies more than {AROUND * 1000:g} mm outside of the tool, which goes from {_mm(low)} to "
+        f"{_mm(high)} mm in the flange's frame"
     )
 
 

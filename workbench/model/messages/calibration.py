@@ -132,9 +132,7 @@ class VerifyText(Text, subject="verify"):
     NO_SUCH = "there is no {name} among scans of the balls and touches"
     MOST_SCANS = "up to {most} scans and {most} touches are taken; remove one first"
     FEW_TOUCHES = "a touch test needs {fewest} touches; there are {count}"
-    ON_LINE = (
-        "the touched balls lie on one line, so a turn about it stays unseen: touch one beside it"
-    )
+    ON_LINE = "the touched balls lie on one line, so a turn about it stays unseen: touch one off it"
     NOT_PREDICTED = (
         "no calibration predicts an error: calibrate the scanner, or state a limit for the offsets"
     )

@@ -14,7 +14,7 @@ RARE, SAMPLED = 0.002, 50_000
 def picture_bounds(image: Floats) -> tuple[Floats, Floats]:
     """The corners (2,) of the picture of points (n, 2) on the plane z = 1; no unit.
 
-    A stray point beside the scanner would make it endless.  So what is further from nearly all
+    A stray point at the scanner would make it endless.  So what is further from nearly all
     others than these from each other lies outside.
     """
     some = image[:: max(1, len(image) // SAMPLED)]

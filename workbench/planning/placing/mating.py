@@ -103,8 +103,8 @@ def least_push(mouth: Floats, tip: Floats, clearance: float) -> Floats:
     """
     middle, half = (mouth + tip) / 2, (tip - mouth) / 2
     far = np.linalg.norm(half, axis=1, keepdims=True)
-    beside = np.stack([-half[:, 1], half[:, 0]], axis=1) / np.maximum(far, 1e-300)
-    rise = np.sqrt(np.maximum(clearance**2 - far**2, 0.0)) * beside
+    normal = np.stack([-half[:, 1], half[:, 0]], axis=1) / np.maximum(far, 1e-300)
+    rise = np.sqrt(np.maximum(clearance**2 - far**2, 0.0)) * normal
     # The nearest point of two discs that overlap: here, on the rim of either, or on both rims.
     pushes = [
         np.zeros_like(mouth),
