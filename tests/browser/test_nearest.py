@@ -14,7 +14,7 @@ from workbench.app.picking.proving import check
 from workbench.formats.plans.certificates import read_certificate
 from workbench.gui.shared.colours import BAD, rgb_of
 from workbench.gui.shared.playback import timeline
-from workbench.model.plan import at_least
+from workbench.model.motion import at_least
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.work import find_parts, scan
-from workbench.app.viewing.view_plan import plan_view
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find

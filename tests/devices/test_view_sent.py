@@ -12,7 +12,7 @@ from twins import own_host, twin_of
 from waiting import lasting
 
 from workbench.app.core.cycle.approval import approve
-from workbench.app.viewing.view_plan import plan_view
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.model.cell import Cell
 from workbench.model.errors import LinkError, WorkbenchError

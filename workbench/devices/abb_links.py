@@ -55,6 +55,7 @@ class AbbProgram(AbbSocket):
         takes_share=True,
         takes_steps=True,
         takes_loads=True,
+        takes_openings=True,
         longest=LONGEST_WAY,
     )
     send = staticmethod(send_program)

@@ -32,7 +32,8 @@ class MotionModel:
     `longest` [s] from one waypoint to the next.  `takes_steps`: it can wait for a word before each
     step (`plugins.robot_link.SteppedLink`).  `takes_loads`: it gets the plan's loads.  `maps_axes`:
     it speaks in the numbers that a controller with an `AxisMapping` shows.  `takes_outputs`: it
-    switches the digital output of the TCP that takes the part.  `sends_poses`: the
+    switches the digital output of the TCP that takes the part.  `takes_openings`: it moves fingers
+    to a leg's opening; else they are wide open, or closed around a part.  `sends_poses`: the
     robot's program gets poses of the hand alone and moves by itself: of that motion nothing is
     proven.
     """
@@ -51,6 +52,7 @@ class MotionModel:
     maps_axes: bool = field(default_factory=bool, metadata=LATER)
     sends_poses: bool = field(default_factory=bool, metadata=LATER)
     takes_outputs: bool = field(default_factory=bool, metadata=LATER)
+    takes_openings: bool = field(default_factory=bool, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.corners == "streamed" and not self.period > 0:
@@ -138,3 +140,13 @@ def ceil_speed(bound: float) -> float:
 def ceil_energy(bound: float) -> str:
     """An energy [J] from above for people, to hundredths."""
     return f"{math.ceil(bound * 100 - 1e-6) / 100:.2f}"
+
+
+def floor_distance(bound: float) -> float:
+    """A distance [m] from below for people, down to a tenth of a millimetre: no more than holds."""
+    return math.floor(bound * 1e4 + 1e-6) / 1e4
+
+
+def at_least(bound: float) -> str:
+    """A distance [m] from below, for people; see `floor_distance`."""
+    return f"at least {floor_distance(bound) * 1e3:.1f} mm"

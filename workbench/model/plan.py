@@ -1,7 +1,6 @@
 """A plan: what each arm does, exactly as it will be sent; its proof; and what planning brings."""
 
 import enum
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -20,7 +19,7 @@ from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.plans import PlanNote, StepText, leg_message, strategy_message
 from workbench.model.messages.proofs import violation_message
-from workbench.model.motion import SpeedBound
+from workbench.model.motion import SpeedBound, at_least
 from workbench.model.scan import Detection, Obstacle, Scene
 
 PLAN_FORMAT = "workbench-plan/1"
@@ -28,12 +27,15 @@ PLAN_FORMAT = "workbench-plan/1"
 UNSIGNED = frozenset({"seconds", "notes", "digest"})
 """Fields outside a plan's digest: computing times and remarks do not change what moves."""
 
-LegName = Literal["reach", "approach", "extract", "return", "place", "home", "view"]
+LegName = Literal["reach", "approach", "extract", "return", "place", "home", "view", "stir"]
 LEG_NAMES: tuple[LegName, ...] = ("reach", "approach", "extract", "return", "place", "home")
 """The legs of an arm that takes a part."""
 
 VIEW_LEGS: tuple[LegName, ...] = ("view",)
 """The legs of an arm that takes its scanner to the view."""
+
+STIR_LEGS: tuple[LegName, ...] = ("reach", "stir", "home")
+"""The legs of an arm that stirs the parts in the bin with its hand."""
 
 NO_PART = -1
 """`ArmPlan.detection` of an arm that takes no part."""
@@ -129,7 +131,7 @@ def are_in_step(legs: Sequence[Leg]) -> bool:
 class ArmPlan:
     """All that one arm does with one part: `detection` is an index into the plan's list.
 
-    It is `NO_PART`, and `grasp` empty, of an arm that takes its scanner to the view.
+    It is `NO_PART`, and `grasp` empty, of an arm that takes its scanner to the view, or stirs.
     `station` names where the part is put to be taken anew; empty: to a place.  `loads` are those of
     tool and part, which the controller gets; None where the tool's mass is not known.  `found` is
     the grip where the part's library has no grasp of this name.  `tcp` is the tool's; empty: first.
@@ -151,7 +153,7 @@ class ArmPlan:
 
     @property
     def takes_part(self) -> bool:
-        """Whether it takes a part, rather than its scanner to the view."""
+        """Whether it takes a part, rather than its scanner to the view, or stirs."""
         return self.detection != NO_PART
 
     @property
@@ -241,7 +243,12 @@ class Plan(FactsRepr):
     @property
     def is_view_plan(self) -> bool:
         """Whether it only moves a scanner to its view."""
-        return bool(self.arms) and not self.picks
+        return bool(self.arms) and not self.picks and not self.is_stir_plan
+
+    @property
+    def is_stir_plan(self) -> bool:
+        """Whether an arm only stirs the parts in the bin."""
+        return any(leg.name == "stir" for arm in self.arms for leg in arm.legs)
 
     @property
     def stations(self) -> tuple[str, ...]:
@@ -259,16 +266,6 @@ class Plan(FactsRepr):
         return sum(
             max(self.arm(arm).leg(leg).seconds for arm, leg in step.runs) for step in self.sequence
         )
-
-
-def floor_distance(bound: float) -> float:
-    """A distance [m] from below for people, down to a tenth of a millimetre: no more than holds."""
-    return math.floor(bound * 1e4 + 1e-6) / 1e4
-
-
-def at_least(bound: float) -> str:
-    """A distance [m] from below, for people; see `floor_distance`."""
-    return f"at least {floor_distance(bound) * 1e3:.1f} mm"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -66,6 +66,7 @@ class PileTask:
     cell (`app.emptying.changes`) that the pile is emptied with, None for none; it lies as without
     it, and what stays is reported without a nearest fix.  `picks`: plans in a row after one look,
     at most.  `recipe` is the number of the cell's recipe, 0 for none; `bin` the name of its bin.
+    `stirs`: how often in a row a hand stirs where nothing can be taken; None: as the cell says.
     """
 
     cell: str
@@ -80,6 +81,7 @@ class PileTask:
     picks: int = 1
     recipe: int = field(default_factory=int, metadata=LATER)
     bin: str = field(default_factory=str, metadata=LATER)
+    stirs: int | None = field(default_factory=lambda: None, metadata=LATER)
 
 
 NOT_FOUND, STOPPED = "not found", "stopped"
@@ -137,8 +139,8 @@ class EmptiedPile:
     sees, and how long finding and planning took for it [s].  `warned_picks` are those of plans that
     say that the hand goes where something not found may go on unseen, `warned_touches` the touches
     among these.  `holdable` of those left some hand fits at and holds as they lie, None when nobody
-    asked.  `kits` were
-    completed, of how many that its parts make; None where the recipe fills none.
+    asked.  `kits` were completed, of how many that its parts make; None where the recipe fills
+    none.  A hand has stirred the parts `stirs` times.
     """
 
     task: PileTask
@@ -162,6 +164,7 @@ class EmptiedPile:
     warned_touches: int = field(default_factory=int, metadata=LATER)
     holdable: int | None = field(default_factory=lambda: None, metadata=LATER)
     kits: tuple[int, int] | None = field(default_factory=lambda: None, metadata=LATER)
+    stirs: int = field(default_factory=int, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,8 +30,10 @@ def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> Message | Non
     motion = cell.controller.motion
     if problem := link_problem(cell):
         return problem
-    if motion.sends_poses and plan.is_view_plan:
+    if motion.sends_poses and not plan.picks:
         return DeviceText.NO_PATHS(link=motion.link)
+    if plan.is_stir_plan and not motion.takes_share:
+        return DeviceText.NO_TIMES(link=motion.link)
     if any(len(step.runs) > motion.arms_at_once for step in plan.sequence):
         return DeviceText.ONE_ARM(link=motion.link)
     if not all(motion.is_sendable(leg.q) for arm in plan.arms for leg in arm.legs):

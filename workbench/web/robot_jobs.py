@@ -16,12 +16,12 @@ from workbench.app.core.cycle.arm_scanner import (
     standing_joints,
     view_problem,
 )
+from workbench.app.core.cycle.empty_hand import PlanView
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import SendPlan, Stop
 from workbench.app.core.cycle.unapproved import ReleasePoses, release_problem
-from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.bench import Bench

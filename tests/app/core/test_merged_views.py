@@ -17,8 +17,8 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.people import SESSION_START
 from workbench.app.core.session import Opened
 from workbench.app.core.state import Phase, State
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.app.runtime.work import scan as work_scan
-from workbench.app.viewing.view_plan import plan_view
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import view_name, with_view
 from workbench.model.geometry import pose_from_rpy

@@ -13,14 +13,14 @@ from workbench.app.core.cell.changes import CellRead, ChangeCell, UndoCell
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.empty_hand import PlanView
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
-from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.effects import StartJob
 from workbench.app.core.people import CELL_FILE, Role
 from workbench.app.core.state import Phase, State
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
-from workbench.app.viewing.view_plan import plan_view
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
 from workbench.model.candidate import Reason, Stage, Verdict

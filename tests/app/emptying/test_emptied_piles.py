@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.emptying.empty import empty_pile, fallen
 from workbench.app.emptying.piles import emptied_piles
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.part import GraspLibrary
+from workbench.model.prediction import PileTask
 from workbench.plugins.progress import never, silent
 
 ASKED = TryEmptying(count=4, piles=2, seed=12)
@@ -108,3 +110,21 @@ def test_what_cannot_be_piled_up_or_taken_is_refused(cell):
     small = replace(cell, bin=replace(cell.bin, size=cell.bin.size * 0.5))
     with pytest.raises(InputError, match=r"do not fit into the bin; take \d+ or fewer"):
         emptied_piles(small, replace(ASKED, count=30), silent, never)
+
+
+def test_where_nothing_can_be_taken_a_hand_stirs_as_often_as_the_cell_says():
+    cell = read_cell("robots/tx2_90/full_bin.toml")
+    task = PileTask(cell.name, "puck", 12, 905111)
+    pile = fallen(cell, cell, task)
+    plain = empty_pile(cell, task, pile)
+    stirring = replace(cell, policy=replace(cell.policy, stirs=2))
+    shots = []
+    found = empty_pile(stirring, task, pile, film=shots.append)
+    assert plain.taken < plain.parts and plain.stirs == 0
+    assert found.taken > plain.taken and found.stirs > 0 and found.cycles == len(shots)
+    stirs = [shot for shot in shots if shot.stirred]
+    assert len(stirs) == found.stirs and all(shot.plan.is_stir_plan for shot in stirs)
+    for shot in stirs:
+        assert len(shot.stirred) == len(shot.plan.arms[0].leg("stir").q)
+        assert {k for k, _ in shot.after} <= {k for k, _ in shot.before}
+    assert sum(shot.plan.cycle_seconds for shot in shots) == pytest.approx(found.motion_seconds)

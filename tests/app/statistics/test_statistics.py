@@ -13,15 +13,16 @@ from workbench.app.core.command import Entry
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.correcting import CorrectPart
+from workbench.app.core.cycle.empty_hand import PlanView
 from workbench.app.core.cycle.jobs import CancelJob, JobEnded
 from workbench.app.core.cycle.outcomes import ReportPick
 from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent
-from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.state import Phase
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.records.record import command_form, entry_record
 from workbench.app.runtime.work import scan
@@ -34,7 +35,6 @@ from workbench.app.statistics.statistics import (
     together,
 )
 from workbench.app.statistics.statistics_table import csv_text
-from workbench.app.viewing.view_plan import plan_view
 from workbench.journal.journal import Row
 from workbench.model.derived.by_view import with_view
 from workbench.model.errors import JobCancelled, JournalError, LinkError

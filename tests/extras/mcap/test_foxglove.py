@@ -2,7 +2,7 @@
 
 from arm_scanner_cell import on_arm_cell
 
-from workbench.app.viewing.view_plan import plan_view
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.extras.mcap.foxglove import plan_message
 
 

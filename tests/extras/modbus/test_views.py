@@ -6,7 +6,7 @@ import pytest
 from arm_scanner_cell import on_arm_cell, with_lower_view
 from prepared_bench import make_results
 
-from workbench.app.core.cycle.viewing import PlanView
+from workbench.app.core.cycle.empty_hand import PlanView
 from workbench.app.runtime.live import Live
 from workbench.extras.modbus.jobs import JOBS
 from workbench.extras.modbus.registers import Register, values_of

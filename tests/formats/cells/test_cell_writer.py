@@ -84,6 +84,8 @@ def test_what_is_seldom_changed_comes_back_too(tmp_path):
         tcp_speed=0.4,
         point_speed=0.5,
         held_speed=0.3,
+        stirs=2,
+        stir_speed=0.15,
         manual_speed=True,
         contact_energy=0.49,
     )

@@ -299,6 +299,15 @@ def test_limits_of_speed_that_cannot_be_are_refused(folder: Path, keys: str, pro
         read_cell(with_change(folder, "[policy]", f"[policy]\n{keys}"))
 
 
+def test_a_rule_to_stir_needs_times_and_walls(folder):
+    path = with_change(folder, "[policy]", "[policy]\nstirs = 3\nstir_speed_mm = 80")
+    policy = read_cell(path).policy
+    assert (policy.stirs, policy.stir_speed) == (3, 0.08)
+    with_change(folder, 'protocol = "abb-socket/2"', 'protocol = "abb-socket"')
+    with pytest.raises(FileError, match=r"policy\.stirs: .* does not send times"):
+        read_cell(path)
+
+
 def test_energy_is_limited_where_arm_and_tool_state_their_masses(folder: Path) -> None:
     path = with_change(folder, "[policy]", "[policy]\ncontact_energy_j = 0.5")
     with pytest.raises(FileError, match=r"contact_energy_j: arm right has no moving_mass_kg"):

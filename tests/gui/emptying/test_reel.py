@@ -7,8 +7,13 @@ import pytest
 from made_films import film_of
 
 from workbench.app.emptying.film import Film
+from workbench.app.emptying.stirring import stir_pile
 from workbench.gui.emptying.reel import LOOK, Projector, advance, end_of, reel_of
 from workbench.gui.shared.own import Showing
+from workbench.model.digest import digest_of
+from workbench.model.prediction import PileTask
+from workbench.model.scan import Scene
+from workbench.perception.simulation.piles import pile_of
 from workbench.planning.kinematics.robot import Kinematics
 
 
@@ -106,3 +111,22 @@ def test_it_plays_as_fast_as_wanted_and_stops_at_its_end(film):
     assert (over.time, over.is_playing) == (10.0, False)
     paused = replace(showing, is_playing=False)
     assert advance(paused, 5.0) is paused
+
+
+def test_stirred_parts_go_from_waypoint_to_waypoint(cell):
+    pile = pile_of(cell, "", 3, seed=5)
+    shot = stir_pile(cell, tuple(enumerate(pile)), Scene(digest_of(pile), pile), seed=0)
+    assert shot is not None
+    film = Film(PileTask(cell.name, "", 3, 5), shot.before, (shot,), shot.after)
+    (stretch,) = reel_of(film).stretches
+    run = next(run for run in stretch.runs if run.leg.name == "stir")
+    k = len(run.leg.t) // 2
+    for time, frame in ((0.0, shot.before), (run.start + run.leg.t[k], shot.stirred[k])):
+        found = moment(cell, film, LOOK + time)
+        for number, detection in frame:
+            np.testing.assert_allclose(
+                places(found)[number], detection.T_world_part.translation, atol=1e-6
+            )
+    found = moment(cell, film, LOOK + run.end)
+    assert {part.number for part in found.parts} == {k for k, _ in shot.after}
+    assert "arm stirs the parts" in str(found.says)

@@ -7,7 +7,7 @@ from workbench.gui.cycle.plan_views import plan_line
 from workbench.gui.plan.views import outlines_html
 from workbench.gui.shared import views
 from workbench.model.messages.states import StateText
-from workbench.model.plan import at_least
+from workbench.model.motion import at_least
 from workbench.proof.claims.clearance import clearance_message, linear_clearance
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 

@@ -22,8 +22,8 @@ from workbench.gui.shared.tables import COLUMNS, PAGE, CandidateOrder, candidate
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.message import plain
+from workbench.model.motion import at_least
 from workbench.model.part import Grasp
-from workbench.model.plan import at_least
 from workbench.model.prediction import Forecast, Predictions
 from workbench.model.release import LinkStatus, PartReport, Vote
 from workbench.model.robot import AxisMapping

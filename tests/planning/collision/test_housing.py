@@ -13,7 +13,7 @@ from workbench.model.geometry import Box, Solid
 from workbench.model.scan import Scene
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
-from workbench.proof.claims.scene import bodies_of
+from workbench.proof.claims.scene import scene_bodies
 from workbench.proof.claims.table import PairTable, Situation
 from workbench.proof.engine.robot import tree_of
 
@@ -58,7 +58,7 @@ def test_the_proof_compares_the_housing_with_everything_but_its_flange_and_itsel
     cell: Cell,
 ) -> None:
     tree = tree_of(cell)
-    bodies = bodies_of(cell, tree, Scene("", (), ()))
+    bodies = scene_bodies(cell, tree, Scene("", (), ()))
     table = PairTable(cell, tree, bodies)
     moves = np.zeros(tree.model.nq, bool)
     moves[tree.columns["left"]] = True

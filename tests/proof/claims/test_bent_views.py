@@ -9,8 +9,8 @@ import pinocchio as pin
 import pytest
 from arm_scanner_cell import on_arm_cell, with_lower_view
 
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.app.picking.pipeline import plan_pick
-from workbench.app.viewing.view_plan import plan_view
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import with_view
 from workbench.model.digest import digest_of

@@ -12,7 +12,7 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.scan import Scene
 from workbench.perception.simulation.piles import drop_parts
 from workbench.proof.claims.prove import prove
-from workbench.proof.claims.scene import bodies_of
+from workbench.proof.claims.scene import scene_bodies
 from workbench.proof.claims.table import PairTable, Situation
 from workbench.proof.engine.frames import SetExtents, poses
 from workbench.proof.engine.robot import tree_of
@@ -58,7 +58,7 @@ def test_what_is_deep_in_each_other_is_never_left_out(cell, plan):
     may say otherwise: a depth is the least of all that directions say.
     """
     tree = tree_of(cell)
-    bodies = bodies_of(cell, tree, plan.scene)
+    bodies = scene_bodies(cell, tree, plan.scene)
     space = Space(tree, bodies, PairTable(cell, tree, bodies))
     rng, deep = np.random.default_rng(8), 0
     pairs = space.table.pairs(Situation(np.ones(tree.model.nq, bool)), space.joints)

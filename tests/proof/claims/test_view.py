@@ -9,7 +9,7 @@ import pytest
 from arm_scanner_cell import on_arm_cell, with_lower_view
 from bending import with_leg
 
-from workbench.app.viewing.view_plan import plan_view
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import with_view as chosen_view

@@ -11,7 +11,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Guarantee, Strategy
 from workbench.model.scan import Obstacle, Scene
 from workbench.proof.claims.prove import prove as prove_in
-from workbench.proof.claims.scene import bodies_of
+from workbench.proof.claims.scene import scene_bodies
 from workbench.proof.claims.table import PairTable, Situation
 from workbench.proof.engine import search
 from workbench.proof.engine.robot import tree_of
@@ -136,7 +136,7 @@ def test_a_search_that_gives_up_is_no_proof(cell, result, monkeypatch):
 def test_a_held_part_keeps_its_distance_to_the_arm_that_holds_it(cell, result, near_arm, kept):
     """As to anything else; links of one arm among themselves stand closer by design."""
     tree = tree_of(cell)
-    bodies = bodies_of(cell, tree, result.plan.scene)
+    bodies = scene_bodies(cell, tree, result.plan.scene)
     table = PairTable(cell, tree, bodies)
     one = result.plan.arm("right")
     moves = np.zeros(tree.model.nq, bool)

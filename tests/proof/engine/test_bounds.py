@@ -7,7 +7,7 @@ from scipy.optimize import nnls
 
 from workbench.model.motion import MotionModel
 from workbench.proof.claims.motion import sweep_path
-from workbench.proof.claims.scene import bodies_of
+from workbench.proof.claims.scene import scene_bodies
 from workbench.proof.claims.stages import steps_of
 from workbench.proof.claims.table import PairTable, Situation
 from workbench.proof.claims.walk import Walk
@@ -26,7 +26,7 @@ def tree(cell):
 
 @pytest.fixture(scope="module")
 def space(cell, tree, result):
-    bodies = bodies_of(cell, tree, result.plan.scene)
+    bodies = scene_bodies(cell, tree, result.plan.scene)
     return Space(tree, bodies, PairTable(cell, tree, bodies))
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Sphere
-from workbench.proof.claims.scene import bodies_of
+from workbench.proof.claims.scene import scene_bodies
 from workbench.proof.claims.stages import steps_of
 from workbench.proof.claims.table import PairTable, Situation
 from workbench.proof.engine.batch import firsts, spread
@@ -20,7 +20,7 @@ from workbench.proof.engine.space import Space
 @pytest.fixture(scope="module")
 def space(cell, result):
     tree = tree_of(cell)
-    bodies = bodies_of(cell, tree, result.plan.scene)
+    bodies = scene_bodies(cell, tree, result.plan.scene)
     return Space(tree, bodies, PairTable(cell, tree, bodies))
 
 

@@ -18,6 +18,7 @@ from workbench.app.core.cycle import (
     ahead,
     approval,
     correcting,
+    empty_hand,
     jobs,
     outcomes,
     parts,
@@ -26,7 +27,6 @@ from workbench.app.core.cycle import (
     scanning,
     sending,
     unapproved,
-    viewing,
     watching,
 )
 
@@ -35,7 +35,7 @@ SUBJECTS = (
     verifying,
     parts,
     planning,
-    viewing,
+    empty_hand,
     rows,
     watching,
     approval,

@@ -171,6 +171,7 @@ class SessionState:
     `views_without` the views of a scanner on an arm from which nothing could be taken since
     something was, in the chosen bin.
     `earlier` is a scan from other views, which the next one is merged with.
+    `stirs` counts how often the parts in the bin were stirred since a plan could take some.
     `ball_scans` and `touches` check the calibrated scanner, up to `check_limits` [m] of spacings
     and touches; 0: as the calibration predicts.
     """
@@ -198,6 +199,7 @@ class SessionState:
     empty_bins: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     views_without: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     earlier: Scan | None = field(default_factory=lambda: None, metadata=LATER)
+    stirs: int = field(default_factory=int, metadata=LATER)
     ball_scans: tuple[BallScan, ...] = field(default_factory=tuple, metadata=LATER)
     touches: tuple[Touch, ...] = field(default_factory=tuple, metadata=LATER)
     check_limits: tuple[float, float] = field(
@@ -372,7 +374,7 @@ def sent_for(state: State) -> SentFor | None:
 
 def is_remembered(state: State) -> bool:
     """Whether the parts that were sent for last are not those of the plan, but `unscanned`."""
-    return state.plan is None or state.plan.is_view_plan
+    return state.plan is None or not state.plan.picks
 
 
 def before_a_scan(state: State) -> State:

@@ -1,17 +1,18 @@
 """One pile taken out of the bin, plan after plan, as far as it goes."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from workbench.app.core.cycle.outcomes import AVOID_SCANS, MOST_FAILURES, SAME_PLACE
+from workbench.app.core.cycle.outcomes import AVOID_SCANS, MOST_FAILURES
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.emptying.bound import bound_of, holdable
 from workbench.app.emptying.film import FilmedPick, Shot, unseen
 from workbench.app.emptying.looking import from_next_view, scan_pile
-from workbench.app.emptying.remaining_parts import Looked, left_in
+from workbench.app.emptying.remaining_parts import as_seen, left_alone, left_in, summarize
+from workbench.app.emptying.stirring import stir_pile
 from workbench.app.emptying.taking import carried_out, failure, in_turn
 from workbench.app.picking.facts import put_down
 from workbench.app.picking.pallets import boxes_around
@@ -24,13 +25,11 @@ from workbench.model.derived.assembling import assembled_kinds
 from workbench.model.derived.by_recipe import kit_of, wanted_parts
 from workbench.model.derived.by_view import views_of
 from workbench.model.errors import JobCancelled
-from workbench.model.messages.message import Message
-from workbench.model.messages.states import LeftText
 from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.plan import ArmPlan, Plan, PlanResult
 from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
 from workbench.model.recipes.kit import lacking
-from workbench.model.scan import Detection, SearchOverrides, Unexplained
+from workbench.model.scan import Detection, Scene, SearchOverrides, Unexplained
 from workbench.perception.scene.unexplained import look_around
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
@@ -62,6 +61,8 @@ class _Tally:
     stages: Counter[str] = field(default_factory=Counter[str])
     finding: float = 0.0
     seen: tuple[Detection, ...] = ()
+    known: Scene = field(default_factory=lambda: Scene("", ()))
+    stirs: int = 0
     outcomes: list[str] = field(default_factory=list[str])
     beside: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
     warned_picks: int = 0
@@ -104,9 +105,10 @@ def empty_pile(
     refusal: Verdict | None = None
     result: PlanResult | None = None
     avoided: list[tuple[Detection, int]] = []
-    idle = failures = 0
+    idle = failures = stirs = 0
     seen_for = 0.0
     most_idle = max(IDLE, len(views_of(cell)))
+    most_stirs = cell.policy.stirs if task.stirs is None else task.stirs
     while lying and idle < most_idle and failures < MOST_FAILURES:
         if cancelled():
             raise JobCancelled(CancelText.EMPTYING())
@@ -132,10 +134,14 @@ def empty_pile(
             refusal = result.verdict if result is not None and has_pick else None
             # What is left alone for a while gets its turn before this counts as the end.
             idle += not avoided
+            may_stir = stirs < most_stirs and idle >= len(views_of(cell))
+            if may_stir and _stir(cell, lying, tally, seed, film):
+                stirs, idle = stirs + 1, 0
+                continue
             cell, seconds = from_next_view(cell, seed=seed)
             tally.motion += seconds
             continue
-        idle = 0
+        idle = stirs = 0
         tally.cycles += 1
         for plan in result.plans:
             before = tuple(lying)
@@ -167,12 +173,12 @@ def _record_pile(
     cell: Cell, task: PileTask, tally: _Tally, end: _End, *, estimates: bool
 ) -> EmptiedPile:
     """The record of an emptied pile, with the reason why each part is left."""
-    known = _as_seen(end.lying, tally.seen)
+    known = as_seen(end.lying, tally.seen)
     left = left_in(
         cell,
         known,
         refusal=end.refusal,
-        looked=_summarize(tally.seen, end.result),
+        looked=summarize(tally.seen, end.result),
         obstacles=boxes_around(cell, tally.assembled),
         seed=task.seed,
         is_stopped=end.is_stopped,
@@ -208,6 +214,7 @@ def _record_pile(
         tally.warned_touches,
         holdable(cell, rest, seed=task.seed) if estimates else None,
         (tally.kits, _kits_possible(cell, task.count)) if kit_of(cell) else None,
+        tally.stirs,
     )
 
 
@@ -261,6 +268,8 @@ def _look_and_plan(
         tally.finding += look.merging + working_time() - began
         tally.seen = detections
         digest = scan.digest
+    obstacles = (*around.seen, *boxes_around(cell, tally.assembled))
+    tally.known = Scene(digest, detections, obstacles)
     if not detections:
         return cell, None
     result = plan_row(
@@ -270,9 +279,9 @@ def _look_and_plan(
         digest,
         picks=task.picks,
         strategy=task.strategy,
-        obstacles=(*around.seen, *boxes_around(cell, tally.assembled)),
+        obstacles=obstacles,
         unseen=around.unseen,
-        avoided=_left_alone(detections, [detection for detection, _ in avoided]),
+        avoided=left_alone(detections, [detection for detection, _ in avoided]),
         wanted=wanted_parts(cell, Counter(tally.kit)),
         seed=seed,
         cancelled=cancelled,
@@ -280,6 +289,26 @@ def _look_and_plan(
     tally.planning.append(sum(result.seconds.values()))
     tally.stages.update(result.seconds)
     return cell, result
+
+
+def _stir(
+    cell: Cell,
+    lying: list[tuple[int, Detection]],
+    tally: _Tally,
+    seed: int,
+    film: Callable[[Shot], None],
+) -> bool:
+    """Have a hand stir the parts; False where no plan for it is proven."""
+    shot = stir_pile(cell, lying, tally.known, seed=seed)
+    if shot is None:
+        return False
+    tally.cycles += 1
+    tally.stirs += 1
+    tally.motion += shot.plan.cycle_seconds
+    tally.knocked_out += len(lying) - len(shot.after)
+    lying[:] = shot.after
+    film(shot)
+    return True
 
 
 def _add_to_kit(cell: Cell, tally: _Tally, plan: Plan, arm_plan: ArmPlan) -> None:
@@ -299,52 +328,6 @@ def _kits_possible(cell: Cell, count: int) -> int:
     """How many whole kits a pile of this many parts makes."""
     kinds = Counter(part.name for part in kinds_in_turn(cell, count))
     return min(kinds[item.part] // item.count for item in kit_of(cell))
-
-
-def _as_seen(
-    lying: Sequence[tuple[int, Detection]], seen: Sequence[Detection]
-) -> list[tuple[int, Detection]]:
-    """What lies in the bin as it lies, its roll unknown where the last scan does not show it."""
-
-    def of(detection: Detection) -> Detection:
-        for found in seen:
-            off = found.T_world_part.translation - detection.T_world_part.translation
-            if (
-                not found.roll_known
-                and found.part == detection.part
-                and np.linalg.norm(off) < SAME_PLACE
-            ):
-                return replace(detection, roll_known=False, roll_axis=found.roll_axis)
-        return detection
-
-    return [(number, of(detection)) for number, detection in lying]
-
-
-def _summarize(seen: Sequence[Detection], result: PlanResult | None) -> Looked:
-    """What the last scan showed and what was said of it; nothing where poses are true ones."""
-    verdicts: dict[int, Verdict] = {}
-    for candidate in () if result is None else result.candidates:
-        best = verdicts.setdefault(candidate.detection, candidate.verdict)
-        verdicts[candidate.detection] = max(
-            best, candidate.verdict, key=lambda verdict: verdict.progress
-        )
-    return [
-        (detection, verdicts[number]) for number, detection in enumerate(seen) if number in verdicts
-    ]
-
-
-def _left_alone(
-    detections: Sequence[Detection], failed: Sequence[Detection]
-) -> Mapping[int, Message]:
-    """Numbers of the parts whose pick has failed a short while ago, and why they are left."""
-    return {
-        number: LeftText.PICK_FAILED()
-        for number, detection in enumerate(detections)
-        for other in failed
-        if detection.part == other.part
-        and np.linalg.norm(detection.T_world_part.translation - other.T_world_part.translation)
-        <= SAME_PLACE
-    }
 
 
 def _carry_out(

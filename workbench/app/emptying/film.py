@@ -30,11 +30,20 @@ class FilmedPick:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shot:
-    """A plan carried out: how the parts lay before, and what came of each arm, as they lift."""
+    """A plan carried out: how the parts lay before, and what came of each arm, as they lift.
+
+    Where an arm stirs, `stirred` has how the parts lie at each waypoint of that leg instead.
+    """
 
     plan: Plan
     before: Numbered
     picks: tuple[FilmedPick, ...]
+    stirred: tuple[Numbered, ...] = ()
+
+    @property
+    def after(self) -> Numbered:
+        """How the parts lie when it has ended."""
+        return self.stirred[-1] if self.stirred else self.picks[-1].after
 
 
 @dataclass(frozen=True, slots=True, eq=False)

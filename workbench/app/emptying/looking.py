@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from workbench.app.viewing.view_plan import plan_view
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import by_each_view, view_name
 from workbench.model.scan import Detection, Scan

@@ -64,7 +64,7 @@ def emptied_piles(cell: Cell, command: TryEmptying, report: Report, cancelled: C
 
 
 def _film(task: PileTask, pile: Numbered, shots: tuple[Shot, ...]) -> Film:
-    return Film(task, pile, shots, shots[-1].picks[-1].after if shots else pile)
+    return Film(task, pile, shots, shots[-1].after if shots else pile)
 
 
 def _message(task: PileTask, number: int, piles: int) -> Message:

@@ -1,7 +1,8 @@
 """Why a part stayed in the bin, and the smallest change of a grasp that would take it."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.states import LeftText
+from workbench.model.plan import PlanResult
 from workbench.model.prediction import NOT_FOUND, STOPPED, LeftPart
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.picking.nearest_fix import nearest_fix
@@ -106,3 +108,49 @@ def _none_works(mine: Sequence[Candidate], best: Verdict) -> Message:
         for reason, count in counted.most_common()
     )
     return LeftText.NONE_WORKS(count=len(mine), reasons=reasons, verdict=best.message)
+
+
+def as_seen(
+    lying: Sequence[tuple[int, Detection]], seen: Sequence[Detection]
+) -> list[tuple[int, Detection]]:
+    """What lies in the bin as it lies, its roll unknown where the last scan does not show it."""
+
+    def of(detection: Detection) -> Detection:
+        for found in seen:
+            off = found.T_world_part.translation - detection.T_world_part.translation
+            if (
+                not found.roll_known
+                and found.part == detection.part
+                and np.linalg.norm(off) < SAME_PLACE
+            ):
+                return replace(detection, roll_known=False, roll_axis=found.roll_axis)
+        return detection
+
+    return [(number, of(detection)) for number, detection in lying]
+
+
+def summarize(seen: Sequence[Detection], result: PlanResult | None) -> Looked:
+    """What the last scan showed and what was said of it; nothing where poses are true ones."""
+    verdicts: dict[int, Verdict] = {}
+    for candidate in () if result is None else result.candidates:
+        best = verdicts.setdefault(candidate.detection, candidate.verdict)
+        verdicts[candidate.detection] = max(
+            best, candidate.verdict, key=lambda verdict: verdict.progress
+        )
+    return [
+        (detection, verdicts[number]) for number, detection in enumerate(seen) if number in verdicts
+    ]
+
+
+def left_alone(
+    detections: Sequence[Detection], failed: Sequence[Detection]
+) -> Mapping[int, Message]:
+    """Numbers of the parts whose pick has failed a short while ago, and why they are left."""
+    return {
+        number: LeftText.PICK_FAILED()
+        for number, detection in enumerate(detections)
+        for other in failed
+        if detection.part == other.part
+        and np.linalg.norm(detection.T_world_part.translation - other.T_world_part.translation)
+        <= SAME_PLACE
+    }

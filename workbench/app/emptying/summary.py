@@ -60,6 +60,7 @@ def summary(
         "warned_picks": sum(scene.warned_picks for scene in scenes),
         "warned_touches": sum(scene.warned_touches for scene in scenes),
         "knocked_out": sum(scene.knocked_out for scene in scenes),
+        "stirs": sum(scene.stirs for scene in scenes),
         "cycles": sum(scene.cycles for scene in scenes),
         "scans": scans,
         "motion_seconds": sum(scene.motion_seconds for scene in scenes),
@@ -125,6 +126,7 @@ def _scene(pile: EmptiedPile) -> dict[str, Any]:
         "warned_picks": pile.warned_picks,
         "warned_touches": pile.warned_touches,
         "knocked_out": pile.knocked_out,
+        "stirs": pile.stirs,
         "motion_seconds": pile.motion_seconds,
         "left": [left.form for left in pile.left],
     }

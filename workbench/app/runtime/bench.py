@@ -10,11 +10,11 @@ from typing import Protocol
 from workbench.app.core.command import Command, Entry
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.empty_hand import PlanView
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import SightPlate, TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
-from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.decide import NOT_REPORTED, check_allowed, decide
 from workbench.app.core.effects import Effect, StopSending
 from workbench.app.core.people import MACHINES, ROBOT_LINK, SESSION_START, WORKER, Role

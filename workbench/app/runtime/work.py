@@ -10,6 +10,8 @@ from workbench.app.calibration.ball_plate import simulated_sight
 from workbench.app.calibration.simulated_checks import simulated_balls
 from workbench.app.core.cycle.arm_scanner import view_problem
 from workbench.app.core.cycle.correcting import CORRECT
+from workbench.app.empty_hand.stirring import plan_stir
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.app.emptying.film import Filmed
 from workbench.app.picking.exactness import with_exactness
 from workbench.app.picking.glance import Glance, apply_change, glance_by_each_tcp
@@ -19,7 +21,6 @@ from workbench.app.picking.row import plan_row
 from workbench.app.picking.tool_making import tool_for
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.worker import JobFunction
-from workbench.app.viewing.view_plan import plan_view
 from workbench.formats.cells.reading import part_folders
 from workbench.formats.parts.reading import read_part
 from workbench.formats.parts.scales import round_shape
@@ -30,7 +31,7 @@ from workbench.model.messages.calibration import ScaleText
 from workbench.model.messages.work import CancelText, JobText, ProgressText
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
-from workbench.model.scan import LocalizationResult, Scan, SearchOverrides, Unexplained
+from workbench.model.scan import LocalizationResult, Scan, Scene, SearchOverrides, Unexplained
 from workbench.perception.calibration.ball_scan import sight_balls
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.parts.sizing import ROUNDS, learn_sizes, offset_of
@@ -222,6 +223,17 @@ def view(
     )
 
 
+def stir(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> PlanResult:
+    """A hand that stirs the parts in the bin; what was `placed` is in the way."""
+    scan, detections = arguments["scan"], arguments["detections"]
+    seen = () if scan is None else unexplained(cell, scan, detections)
+    obstacles = (*seen, *boxes_around(cell, arguments["placed"]))
+    scene = Scene(arguments["scan_digest"], detections, obstacles)
+    return plan_stir(cell, scene, seed=arguments["seed"], report=report)
+
+
 def glance(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> Glance:
@@ -256,6 +268,7 @@ JOBS: Mapping[str, JobFunction] = {
     "balls": balls,
     "plan": plan,
     "view": view,
+    "stir": stir,
     "import": import_part,
     "tool": make_tool,
     CORRECT: correct,

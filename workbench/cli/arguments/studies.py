@@ -145,6 +145,9 @@ class StudyEmptying:
     picks: int = 1
     """Plans in a row after one look, at most; with more than one the same piles are emptied by one
     plan a look, too, to be compared."""
+    stirs: Maybe[int] = None
+    """How often in a row a hand stirs where nothing can be taken; as the cell says when not
+    given."""
     bound: bool = False
     """Try many grasps of the tool on what stays: where one takes it, a library could."""
     what_if: str = ""

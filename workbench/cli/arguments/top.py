@@ -156,7 +156,7 @@ class Calibrate:
 
 @dataclass(frozen=True, slots=True)
 class PlanArguments:
-    """Judge every grasp, plan the pick, and prove the plan; or plan the path to --view."""
+    """Judge every grasp, plan the pick, and prove it; or plan the path to --view, or --stir."""
 
     cell: Positional[CellName]
     out: Path
@@ -168,6 +168,8 @@ class PlanArguments:
     planned, or with the word home the path back."""
     start: str = "home"
     """Where the path to --view begins: home, or the name of another view."""
+    stir: bool = False
+    """Plan how an arm stirs the parts at --poses with its closed hand, instead of a pick."""
     scan: Maybe[Path] = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is kept clear of."""
     strategy: Maybe[str] = None

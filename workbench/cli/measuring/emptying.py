@@ -14,6 +14,7 @@ from workbench.cli.terminal import check_number, check_whole, print_json, print_
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import MOST_PICKS
 from workbench.model.derived.by_recipe import as_chosen, check_strategy
+from workbench.model.derived.policies import MOST_STIRS
 from workbench.model.errors import InputError
 from workbench.model.prediction import CHANGE_KINDS, PileTask
 from workbench.studies.emptying.pile_results import emptied_all
@@ -38,6 +39,8 @@ def emptying(typed: StudyEmptying) -> int:
     check_whole("--parts", typed.parts, 1, MOST_PARTS)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
     check_whole("--picks", typed.picks, 1, MOST_PICKS)
+    if typed.stirs is not None:
+        check_whole("--stirs", typed.stirs, 0, MOST_STIRS)
     check_whole("--workers", typed.workers, 1, 1024)
     check_number("--scan-seconds", typed.scan_seconds, 0.0, LONGEST)
     check_number("--approval-seconds", typed.approval_seconds, 0.0, LONGEST)
@@ -54,6 +57,7 @@ def emptying(typed: StudyEmptying) -> int:
             picks=typed.picks,
             recipe=typed.recipe,
             bin=typed.bin,
+            stirs=typed.stirs,
         )
         for seed in range(typed.seed, typed.seed + typed.scenes)
     ]
@@ -165,7 +169,8 @@ def _print(found: dict[str, Any], title: str) -> None:
     print(
         f"{found['taken']} of {found['parts']} parts taken, {found['taken_share']:.1%}{otherwise}; "
         f"{found['picks']} picks, {found['failed_picks']} failed ({kinds}), "
-        f"{found['touches']} touches, {found['knocked_out']} knocked out of the bin"
+        f"{found['touches']} touches, {found['knocked_out']} knocked out of the bin, "
+        f"{found['stirs']} times stirred"
     )
     if found["kits"] is not None:
         print(f"{found['kits']} of {found['kits_possible']} kits complete")

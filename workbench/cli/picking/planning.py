@@ -5,10 +5,11 @@ import time
 from pathlib import Path
 
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
+from workbench.app.empty_hand.stirring import plan_stir
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.row import check_picks, plan_row
 from workbench.app.runtime.readiness import make_ready
-from workbench.app.viewing.view_plan import plan_view
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.loading import loading
@@ -44,7 +45,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.recipes.recipe import NO_RECIPE
 from workbench.model.robot import HOME
-from workbench.model.scan import Detection, Unexplained
+from workbench.model.scan import Detection, Scene, Unexplained
 from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
 
@@ -102,6 +103,8 @@ def _plan_picks(typed: arguments.PlanArguments, poses: Path) -> int:
         typed.planner, typed.iterations, typed.order, typed.margin, typed.metric
     )
     detections = detections_from(cell, poses, typed.part)
+    if typed.stir:
+        return _plan_stir(typed, cell, detections)
     with progress("plan") as report:
         make_ready(report, ("planning",))
         report(0.0, "getting ready")
@@ -122,6 +125,20 @@ def _plan_picks(typed: arguments.PlanArguments, poses: Path) -> int:
             seed=typed.seed,
             report=report,
         )
+        planning = time.perf_counter() - began
+    return _finish(typed, result, ready, planning)
+
+
+def _plan_stir(
+    typed: arguments.PlanArguments, cell: Cell, detections: tuple[Detection, ...]
+) -> int:
+    """Plan how an arm stirs the parts at these poses."""
+    with progress("plan") as report:
+        make_ready(report, ("planning",))
+        around = around_in(cell, typed.scan, detections)
+        ready, began = seconds_since_start(), time.perf_counter()
+        scene = Scene(digest_of(detections), detections, around.seen)
+        result = plan_stir(cell, scene, seed=typed.seed, report=report)
         planning = time.perf_counter() - began
     return _finish(typed, result, ready, planning)
 
@@ -255,6 +272,8 @@ def _print_words(
         print(f"candidates: {reasons_words(result.candidates)}")
     if result.plan is not None and result.plan.is_view_plan:
         print("kept clear of the whole bin, which no scan shows")
+    elif result.plan is not None and result.plan.is_stir_plan:
+        print("kept clear of all but the parts in the bin, which the hand stirs")
     elif result.obstacles:
         print(f"kept clear of {len(result.obstacles)} obstacles that only the scan shows")
     if result.plan is None:

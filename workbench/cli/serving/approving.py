@@ -12,7 +12,8 @@ from workbench.model.derived.row_parts import label_in, parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, LinkError, ProtocolError
 from workbench.model.messages.message import FoundPart
-from workbench.model.plan import Plan, Proof, Proven, at_least
+from workbench.model.motion import at_least
+from workbench.model.plan import Plan, Proof, Proven
 from workbench.plugins.robot_link import states
 from workbench.proof.claims.clearance import linear_clearance
 
@@ -69,6 +70,8 @@ def facts_of(
         goal = "home" if leads_home else f"to view {carrier.view.name}"
         facts[f"Arm {carrier.arm}"] = f"takes the scanner {goal}"
         known = "counts as full, since no scan shows it yet"
+    if plan.is_stir_plan:
+        facts[f"Arm {plan.strategy.arm}"] = "stirs the parts in the bin with its hand"
     nearest, link = proof.nearest, cell.controller
     holds = f"holds, {proof.digest[:SHORTEST]}"
     if link.motion.sends_poses:

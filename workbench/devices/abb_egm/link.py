@@ -49,6 +49,7 @@ class AbbEgm:
         period=0.004,
         takes_share=True,
         takes_loads=True,
+        takes_openings=True,
     )
 
     tells_of_parts = False

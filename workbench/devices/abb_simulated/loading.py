@@ -27,7 +27,7 @@ from workbench.devices.abb_socket.program import (
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import ProtocolError
 from workbench.model.geometry import Floats
-from workbench.model.plan import LEG_NAMES, VIEW_LEGS, LegName
+from workbench.model.plan import LegName
 
 SPEED_SLACK = 1.002
 """Times travel in whole milliseconds, angles in hundredths of a degree."""
@@ -152,7 +152,7 @@ class Loading:
         low, high = arm.tool.stroke
         if arm.tool.fingers and not low - 1e-4 <= opening <= high + 1e-4:
             raise ProtocolError(f"the fingers of arm {arm.name} cannot be at {words[6]} mm")
-        name = cast(LegName, _one_of(words[2], (*LEG_NAMES, *VIEW_LEGS)))
+        name = cast(LegName, _one_of(words[2], get_args(LegName)))
         begin = self._stands[arm.name]
         empty = np.empty((0, len(begin)))
         leg = ProgramLeg(arm.name, name, zone, cast(Hand, hand), opening, empty, np.empty(0))

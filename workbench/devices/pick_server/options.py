@@ -18,6 +18,7 @@ MOTION = MotionModel(
     reports_progress=True,
     takes_share=True,
     takes_loads=True,
+    takes_openings=True,
     longest=LONGEST,
     maps_axes=True,
 )

@@ -156,7 +156,9 @@ def _in_row(state: State) -> Iterator[tuple[str, str]]:
 
 
 def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
-    of = "between home and view" if plan.is_view_plan else format_count(len(plan.picks), "part")
+    of = format_count(len(plan.picks), "part")
+    if not plan.picks:
+        of = "between home and view" if plan.is_view_plan else "stirs the parts in the bin"
     yield "plan", f"{plan.digest}: {of}, strategy {plan.strategy}, {plan.guarantee}"
     yield "cell", plan.cell_digest
     yield "scan", plan.scan_digest

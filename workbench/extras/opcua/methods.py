@@ -13,13 +13,13 @@ from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.command import Command
 from workbench.app.core.control import ReleaseControl, TakeControl
 from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.empty_hand import PlanView
 from workbench.app.core.cycle.jobs import CancelJob
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import SendPlan, Stop
-from workbench.app.core.cycle.viewing import PlanView
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,7 @@ from workbench.model.cell import (
     ScannerMount,
 )
 from workbench.model.derived.by_view import with_view
-from workbench.model.derived.policies import POLICIES, picks_problem
+from workbench.model.derived.policies import MOST_STIRS, POLICIES, picks_problem, stir_problem
 from workbench.model.derived.speed_limits import effective_mass, limits_speed
 from workbench.model.errors import FileError, InputError
 from workbench.model.part import Part
@@ -273,11 +273,13 @@ def _speed(table: Table, key: str) -> float | None:
 
 
 def _check_speeds(table: Table, cell: Cell) -> None:
-    """Refuse limits of speed that nothing would keep."""
+    """Refuse limits of speed that nothing would keep, and to stir where nobody could slowly."""
     for arm in cell.arms if cell.policy.contact_energy is not None else ():
         if effective_mass(cell, arm, False) is None:
             lacks = "moving_mass_kg" if arm.moving_mass is None else f"mass_g of {arm.tool.name}"
             raise table.error("policy.contact_energy_j", f"arm {arm.name} has no {lacks}")
+    if cell.policy.stirs and (problem := stir_problem(cell)):
+        raise table.error("policy.stirs", problem)
     if not limits_speed(cell):
         return
     keys = (f"{key}_mm" for key in SPEED_KEYS if getattr(cell.policy, key) is not None)
@@ -342,6 +344,8 @@ def _policy(table: Table) -> tuple[Policy, int]:
         picks=table.whole("picks", usual.picks, low=1, high=MOST_PICKS),
         manual_speed=table.flag("manual_speed", False),
         contact_energy=energy if table.has("contact_energy_j") else None,
+        stirs=table.whole("stirs", usual.stirs, low=0, high=MOST_STIRS),
+        stir_speed=table.number("stir_speed_mm", usual.stir_speed * 1000, low=10, high=250) / 1000,
         **{key: _speed(table, f"{key}_mm") for key in SPEED_KEYS},
     )
     if problem := picks_problem(policy):

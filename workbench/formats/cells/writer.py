@@ -162,6 +162,10 @@ def _policy(cell: Cell) -> Iterator[str]:
         yield "manual_speed = true"
     if policy.contact_energy is not None:
         yield f"contact_energy_j = {number(policy.contact_energy)}"
+    if policy.stirs:
+        yield f"stirs = {policy.stirs}"
+    if policy.stir_speed != usual.stir_speed:
+        yield f"stir_speed_mm = {number(policy.stir_speed * 1000)}"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"
 
 

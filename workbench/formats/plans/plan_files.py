@@ -18,7 +18,7 @@ Lengths are in m, angles in rad, times in s.
 """
 
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -34,11 +34,9 @@ from workbench.model.load import Load, Loads, load_problem
 from workbench.model.messages.catalogue import message_of
 from workbench.model.messages.message import Message
 from workbench.model.plan import (
-    LEG_NAMES,
     NO_PART,
     PLAN_FORMAT,
     UNSIGNED,
-    VIEW_LEGS,
     ArmPlan,
     Guarantee,
     Leg,
@@ -198,7 +196,7 @@ def _arm(table: Table, detections: int) -> ArmPlan:
     table.once("joints", joints)
     legs = tuple(_leg(leg, len(joints)) for leg in _few(table, "legs"))
     table.once("legs", (leg.name for leg in legs))
-    takes_part = not any(leg.name in VIEW_LEGS for leg in legs)
+    takes_part = not any(leg.name in ("view", "stir") for leg in legs)
     if takes_part and detections == 0:
         raise table.error("detection", "the plan has no detections for it to be one of")
     low, high = (0, detections - 1) if takes_part else (NO_PART, NO_PART)
@@ -264,7 +262,7 @@ def _leg(table: Table, joints: int) -> Leg:
 
 
 def _leg_name(table: Table) -> LegName:
-    among = (*LEG_NAMES, *VIEW_LEGS)
+    among = get_args(LegName)
     name = table.text("name", among=among)
     return next(known for known in among if known == name)
 

@@ -139,6 +139,8 @@ def _plan(cell: Cell, plan: Plan) -> list[Fact]:
         leads_home = carrier.leads_home(plan.arms[0].legs[0].q)
         to_view = ApprovalText.TO_VIEW(view=carrier.view.name)
         facts.append((name, ApprovalText.TO_HOME() if leads_home else to_view))
+    if plan.is_stir_plan:
+        facts.append((LabelText.ARM(arm=plan.strategy.arm.capitalize()), ApprovalText.STIRS()))
     for arm in plan.picks:
         kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
         grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=label_grasp(arm.grasp, arm.tcp))
@@ -238,8 +240,9 @@ def _corners(motion: MotionModel, zone: float) -> Message:
 def _clear_of(state: State, plan: Plan) -> Message:
     on_pallets = sum(bool(obstacle.part) for obstacle in plan.obstacles)
     pallets = [ApprovalText.ON_PALLETS(count=on_pallets)] if on_pallets else []
-    if plan.is_view_plan:
-        clear = ApprovalText.CLEAR_OF_BIN()
+    if not plan.picks:
+        is_stirred = plan.is_stir_plan
+        clear = ApprovalText.CLEAR_BUT_STIRRED() if is_stirred else ApprovalText.CLEAR_OF_BIN()
         return ApprovalText.CLEAR_OF_BIN_AND(clear=clear, things=pallets) if pallets else clear
     unknown = len(plan.obstacles) - on_pallets
     things = [LabelText.PARTS(count=len(plan.detections))]

@@ -11,6 +11,7 @@ from workbench.app.core.command import Command
 from workbench.app.core.cycle.approval import Approve, standing_votes
 from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.correcting import CorrectPart
+from workbench.app.core.cycle.empty_hand import PlanStir, may_stir
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
@@ -154,6 +155,15 @@ class CyclePanel:
             self._threshold.add_forecast()
             self._plan_line = gui.add_html("")
             self._row.add_row()
+            self._beside_stir = gui.add_html('<div class="wb-span2"></div>', visible=False)
+            self._stir = gui.add_button(
+                "Stir parts",
+                icon=viser.Icon.TORNADO,
+                color="gray",
+                visible=False,
+                hint="Plans how a closed hand goes through the parts, so that they lie otherwise; "
+                "then a person approves.",
+            )
             self._help_line = gui.add_html("", visible=False)
             self._fix = FixInputs(self._visitor)
 
@@ -236,10 +246,13 @@ class CyclePanel:
         is_stepped = self._step.show(new)
         # The button beside Stop lets the robot move, and none stands where Send was just pressed.
         self._send.visible = self._send_line.visible = not is_stepped
+        is_stuck = state.verdict is not None and state.plan is None
+        self._stir.visible = self._beside_stir.visible = is_stuck and bool(state.detections)
         buttons = (
             (self._scan, TakeScan()),
             (self._find, FindParts()),
             (self._plan, MakePlan()),
+            (self._stir, PlanStir()),
             (self._approve, approval),
             (self._send, SendPlan(_digest(state))),
             (self._stop, Stop()),
@@ -251,7 +264,7 @@ class CyclePanel:
         next_step = {
             Phase.IDLE: begin,
             Phase.SCANNED: self._find,
-            Phase.LOCALIZED: self._plan,
+            Phase.LOCALIZED: self._stir if may_stir(state) and is_stuck else self._plan,
             Phase.PLANNED: self._play.button if is_next else self._approve,
             Phase.APPROVED: self._send,
             Phase.DONE: begin if _has_moved_scanner(state) else self._go_on.button,
@@ -295,6 +308,7 @@ class CyclePanel:
         visitor.on_press(self._move_bin, self._wanted_bin)
         visitor.on_press(self._correct, lambda: CorrectPart(next(iter(self._wrong), "")))
         visitor.on_press(self._plan, self._wanted_plan)
+        visitor.on_press(self._stir, lambda: PlanStir(whole(self._seed.value)))
         visitor.on_key("N", "New scan", lambda: visitor.ask(self._wanted_scan))
         visitor.on_key("F", "Find parts", lambda: visitor.ask(self._wanted_parts))
         visitor.on_key("P", "Plan", lambda: visitor.ask(self._wanted_plan))

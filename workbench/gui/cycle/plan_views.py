@@ -10,7 +10,8 @@ from workbench.model.candidate import Reason
 from workbench.model.messages.message import all_of
 from workbench.model.messages.plans import cycle_words, strategy_message
 from workbench.model.messages.states import StateText
-from workbench.model.plan import Plan, Proof, floor_distance
+from workbench.model.motion import floor_distance
+from workbench.model.plan import Plan, Proof
 from workbench.proof.claims.clearance import bounds_message, linear_clearance, speed_message
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -33,6 +34,8 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
         result = CyclePageText.TO_VIEW(arm=carrier.arm, view=carrier.view.name)
         if carrier.leads_home(plan.arms[0].legs[0].q):
             result = CyclePageText.TO_HOME(arm=carrier.arm)
+    elif plan.is_stir_plan:
+        result = CyclePageText.STIRS(arm=plan.strategy.arm)
     elif unknown := sum(not obstacle.part for obstacle in plan.obstacles):
         result = CyclePageText.UNKNOWN_CLEAR(strategy=result, count=unknown)
     speed = speed_message(proof)
@@ -59,7 +62,7 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
     clearance = words.render(bounds_message(proof))
     cells = (
         (f"{plan.cycle_seconds:.1f} s", "Cycle", cycle),
-        ("" if plan.is_view_plan else str(len(plan.picks)), "Parts", ""),
+        (str(len(plan.picks)) if plan.picks else "", "Parts", ""),
         (mm(floor_distance(proof.clearance)), "Clearance, free", clearance),
         (
             "" if linear is None else mm(floor_distance(max(linear, 0.0))),

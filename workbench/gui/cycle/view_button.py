@@ -6,7 +6,7 @@ import viser
 
 from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.cycle.arm_scanner import is_at_view
-from workbench.app.core.cycle.viewing import PlanView
+from workbench.app.core.cycle.empty_hand import PlanView
 from workbench.app.core.state import State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor

@@ -23,7 +23,8 @@ from workbench.model.cell import MOST_PICKS
 from workbench.model.derived.row_parts import label_in
 from workbench.model.messages.message import Message, found_part
 from workbench.model.messages.plans import leg_message
-from workbench.model.plan import Plan, Proof, Proven, floor_distance
+from workbench.model.motion import floor_distance
+from workbench.model.plan import Plan, Proof, Proven
 from workbench.proof.claims.clearance import linear_clearance
 from workbench.proof.claims.spot import Spot
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS

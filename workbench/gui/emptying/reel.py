@@ -120,6 +120,8 @@ def _parts(
     cell: Cell, kinematics: Kinematics, stretch: ReelStretch, now: float
 ) -> dict[int, pin.SE3]:
     """`T_world_part` of each part that is there `now` [s] on the plan's clock, by its number."""
+    if stretch.shot.stirred:
+        return _stirred(stretch, now)
     poses = {k: detection.T_world_part for k, detection in stretch.shot.before}
     for pick in stretch.shot.picks:
         lift = _run(stretch, pick, "extract")
@@ -138,12 +140,33 @@ def _parts(
     return poses
 
 
+def _stirred(stretch: ReelStretch, now: float) -> dict[int, pin.SE3]:
+    """`T_world_part` of each part `now` [s], between how they lie at two waypoints."""
+    run, frames = _leg_run(stretch, "stir"), stretch.shot.stirred
+    times = run.start + run.leg.t
+    k = int(np.clip(np.searchsorted(times, now) - 1, 0, len(frames) - 2))
+    share = float(np.clip((now - times[k]) / (times[k + 1] - times[k]), 0.0, 1.0))
+    after = dict(frames[k + 1])
+    return {
+        number: pin.SE3.Interpolate(
+            detection.T_world_part, after.get(number, detection).T_world_part, share
+        )
+        for number, detection in frames[k]
+        if number in after or share < 1.0
+    }
+
+
 def _was_taken(stretch: ReelStretch, number: int) -> bool:
     return any(pick.number == number for pick in stretch.shot.picks)
 
 
 def _run(stretch: ReelStretch, pick: FilmedPick, leg: LegName) -> Run:
-    return next(run for run in stretch.runs if run.arm == pick.arm and run.leg.name == leg)
+    return _leg_run(stretch, leg, pick.arm)
+
+
+def _leg_run(stretch: ReelStretch, leg: LegName, arm: str = "") -> Run:
+    """A leg of an arm, of any where none is named."""
+    return next(run for run in stretch.runs if arm in ("", run.arm) and run.leg.name == leg)
 
 
 def _pose_in_hand(
@@ -175,6 +198,8 @@ def _doing(film: Film, stretch: ReelStretch, now: float, taken: int, number: int
 
 
 def _goes_to(shot: Shot) -> Message:
+    if shot.stirred:
+        return EmptyingText.STIRS(arm=shot.plan.arms[0].arm)
     goes = (EmptyingText.GOES_TO(arm=pick.arm, part=_part(pick.number)) for pick in shot.picks)
     return EmptyingText.ARMS_GO(arms=goes)
 

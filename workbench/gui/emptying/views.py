@@ -104,6 +104,7 @@ def summary_html(
         ("Taken", _message_of_taken(summary, share)),
         ("Picks", picks),
         *_warn(summary),
+        *([("Stirred", EmptyingText.STIRRED(count=summary["stirs"]))] if summary["stirs"] else []),
         ("Parts an hour", "-" if hourly is None else f"{hourly:.0f}"),
         ("Planning", "-" if planning is None else _planning(planning)),
         ("Stay", _reasons(summary["left_by_reason"])),

@@ -38,6 +38,7 @@ SHARES: Mapping[str, float] = {
     OVER: 0.7,
     "home": 0.25,
     "view": 0.4,
+    "stir": 0.85,
 }
 """How much of the arm's colour a leg has, by its name on the page: legs that follow differ."""
 

@@ -13,7 +13,8 @@ from workbench.model.candidate import label_grasp
 from workbench.model.derived.row_parts import count_taken, parts_taken, renumber
 from workbench.model.messages.message import FoundPart, Message, all_of, as_message, plain
 from workbench.model.messages.plans import guarantee_message, strategy_message
-from workbench.model.plan import ArmPlan, Plan, Strategy, floor_distance
+from workbench.model.motion import floor_distance
+from workbench.model.plan import ArmPlan, Plan, Strategy
 from workbench.words.words import IN_ENGLISH, Words
 
 STAGES = {

@@ -49,7 +49,7 @@ REACHED = {
 
 NOTHING_MADE: Mapping[str, str] = {}
 
-JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2, "view": 2}
+JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2, "view": 2, "stir": 2}
 
 BEFORE_PLAN = 2
 """Steps that a plan to the view does without."""
@@ -339,8 +339,12 @@ def forecast_line(
 
 
 def _ready_message(state: State, plan: Plan) -> Message:
-    text = CyclePageText.PLAN(
-        strategy=strategy_message(plan.strategy), time=plan.cycle_seconds, count=len(plan.picks)
+    text = (
+        CyclePageText.STIRS(arm=plan.strategy.arm)
+        if plan.is_stir_plan
+        else CyclePageText.PLAN(
+            strategy=strategy_message(plan.strategy), time=plan.cycle_seconds, count=len(plan.picks)
+        )
     )
     if len(state.plans) > 1:
         number = len(state.sent_before) + 1

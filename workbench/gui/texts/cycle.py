@@ -24,6 +24,7 @@ class CyclePageText(Text, subject="page-cycle"):
     PLAN = "{strategy}, {count} {count:part|parts}, {time:s}"
     PLAN_OF_ROW = "{number} of {count}: {plan}"
     UNKNOWN_CLEAR = "{strategy}, clear of {count} unknown {count:obstacle|obstacles}"
+    STIRS = "The {arm} arm stirs the parts with its hand, clear of everything else"
     TO_HOME = "The {arm} arm takes the scanner home, clear of the whole bin"
     TO_VIEW = "The {arm} arm takes the scanner to view {view}, clear of the whole bin"
     PROOF_FAILS = "The proof does not hold: {violation}"

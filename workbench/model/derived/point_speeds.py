@@ -73,13 +73,19 @@ class PointSpeeds:
 
 
 def speeds_on(
-    cell: Cell, arm: Arm, holding: bool, opening: float, hand: InHand | None
+    cell: Cell,
+    arm: Arm,
+    holding: bool,
+    opening: float,
+    hand: InHand | None,
+    *,
+    stirs: bool = False,
 ) -> PointSpeeds | None:
     """What an arm moves on a leg, with its fingers at an `opening` [m]; None without limits.
 
     `hand` is what it carries where it is `holding` something.
     """
-    tcp_limit, point_limit = speed_limits(cell, arm, holding)
+    tcp_limit, point_limit = speed_limits(cell, arm, holding, stirs=stirs)
     if min(tcp_limit, point_limit) == np.inf:
         return None
     links = link_points(cell, arm.name)
@@ -101,7 +107,8 @@ def speeds_of(cell: Cell, plan: Plan, arm_plan: ArmPlan, leg: Leg) -> PointSpeed
     if arm_plan.takes_part:
         found = plan.detections[arm_plan.detection]
         hand = InHand(cell.part(found.part), found, arm_plan.T_tcp_part)
-    return speeds_on(cell, cell.arm(arm_plan.arm), leg.holding, leg.opening, hand)
+    arm, stirs = cell.arm(arm_plan.arm), leg.name == "stir"
+    return speeds_on(cell, arm, leg.holding, leg.opening, hand, stirs=stirs)
 
 
 def _twists(cell: Cell, arm: Arm, q: Floats, slopes: Floats) -> Iterator[tuple[Floats, Floats]]:

@@ -3,15 +3,19 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from workbench.model.cell import LIFT_NAMES, MOST_PICKS, Policy
+from workbench.model.cell import LIFT_NAMES, MOST_PICKS, Cell, Policy
 from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
 
 LEAST_AIR = 0.0015
 """[m] Left on each side of a part where fingers arrive as open as there is room."""
 
 HEAP_GAP = 0.01
 """[m] Parts nearer to each other than this are of one heap, of which a plan takes one."""
+
+MOST_STIRS = 20
+"""Of stirs in a row."""
 
 POLICIES: Mapping[str, Policy] = {
     "thorough": Policy(lifts=LIFT_NAMES, least_air=LEAST_AIR, pair_gap=HEAP_GAP),
@@ -38,3 +42,14 @@ def picks_problem(policy: Policy) -> Message | None:
     if not 1 <= policy.picks <= MOST_PICKS:
         return CellText.PICKS(most=MOST_PICKS, count=repr(policy.picks))
     return CellText.PAIR_GAP() if policy.picks > 1 and policy.pair_gap <= 0 else None
+
+
+def stir_problem(cell: Cell) -> Message | None:
+    """Why no hand can stir the parts in the bin of a cell; None when one can."""
+    motion = cell.controller.motion
+    if not cell.bin.has_walls:
+        return Refusal.STIR_NO_WALLS()
+    if not motion.takes_share or motion.sends_poses:
+        return Refusal.STIR_NO_TIMES(link=motion.link)
+    jerky = [arm.name for arm in cell.arms if arm.jerk is not None]
+    return Refusal.STIR_JERK(arm=jerky[0]) if jerky else None

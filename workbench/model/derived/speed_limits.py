@@ -1,10 +1,11 @@
 """How fast a policy lets the TCP and points of arm, tool and part be.
 
 `tcp_speed` is for the TCP and `point_speed` for any point.  `held_speed` is for any point while a
-part is in the hand.  `manual_speed` keeps all of them at `MANUAL_SPEED`.  `contact_energy` keeps
-every point of an arm as slow as its mass asks.  ISO/TS 15066:2016, annex A, has half of what moves
-of the arm, and all of tool and part, as the mass that hits.  Whoever is hit counts as unable to
-give way, which is more than two free bodies would exchange.
+part is in the hand, `stir_speed` while the hand stirs the parts in the bin.  `manual_speed` keeps
+all of them at `MANUAL_SPEED`.  `contact_energy` keeps every point of an arm as slow as its mass
+asks.  ISO/TS 15066:2016, annex A, has half of what moves of the arm, and all of tool and part, as
+the mass that hits.  Whoever is hit counts as unable to give way, which is more than two free bodies
+would exchange.
 
 Nothing here is a claim of safety: what a person may be near to is decided by who builds the cell.
 """
@@ -17,14 +18,17 @@ MANUAL_SPEED = 0.25
 """[m/s] Manual reduced speed of ISO 10218-1, here of every point and not of the TCP alone."""
 
 
-def speed_limits(cell: Cell, arm: Arm, holding: bool) -> tuple[float, float]:
-    """How fast [m/s] the TCP and any point of an arm may be, with a part in its hand or without.
+def speed_limits(
+    cell: Cell, arm: Arm, holding: bool, *, stirs: bool = False
+) -> tuple[float, float]:
+    """How fast [m/s] the TCP and any point of an arm may be.
 
-    Infinite where there is no limit.
+    With a part in its hand or without, or while it stirs.  Infinite where there is no limit.
     """
     policy = cell.policy
     manual = MANUAL_SPEED if policy.manual_speed else None
-    of_points = (policy.point_speed, manual, policy.held_speed if holding else None)
+    of_legs = policy.held_speed if holding else policy.stir_speed if stirs else None
+    of_points = (policy.point_speed, manual, of_legs)
     stated = (limit for limit in of_points if limit is not None)
     point = min(*stated, energy_speed(cell, arm, holding), math.inf)
     return min(math.inf if policy.tcp_speed is None else policy.tcp_speed, point), point

@@ -18,6 +18,7 @@ class CommandText(Text, subject="command"):
     USE_DETECTIONS = "the use of poses from outside"
     MAKE_PLAN = "planning"
     PLAN_VIEW = "planning the path to the view"
+    PLAN_STIR = "planning to stir the parts"
     WANT_THRESHOLD = "another threshold"
     SHORTEN_ROW = "another length of the row"
     WATCH_PLAN = "a preview"

@@ -45,7 +45,8 @@ class DeviceText(Text, subject="device"):
         "the plan was made for finer steps than the robot link {link} can send, so what is sent "
         "would not be what was proven; make a new plan"
     )
-    NO_PATHS = "the robot link {link} sends poses alone: no path to the view goes out"
+    NO_PATHS = "the robot link {link} sends poses alone: no path without a part goes out"
+    NO_TIMES = "the robot link {link} does not send times: no path that has to be slow goes out"
     NO_MAPPING = "the robot link {link} does not know the axis_coupling of arm {arm}"
     NO_OUTPUTS = "the robot link {link} cannot switch the output of TCP {tcp}; leave `output` out"
     NO_SHARE = "the robot link {link} cannot send a plan at a share of its speed"

@@ -13,6 +13,7 @@ class LegText(Text, subject="leg"):
     PLACE = "place"
     HOME = "home"
     VIEW = "view"
+    STIR = "stir"
 
 
 class StepText(Text, subject="step"):

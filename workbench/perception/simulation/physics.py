@@ -41,6 +41,7 @@ def model_of(
     *,
     no_slip: int = 0,
     around: Sequence[Solid] = (),
+    hand: Sequence[Solid] = (),
 ) -> mujoco.MjModel:
     """Bin and parts as MuJoCo sees them; the world frame is that of the bin.
 
@@ -51,6 +52,7 @@ def model_of(
             others move freely, and are weightless until their `body_gravcomp` is 0.
         no_slip: iterations of the search for forces without slip.
         around: what else stands still, in the bin's frame.
+        hand: what goes where it is put, in its own frame; none where a part is carried.
     """
     spec = mujoco.MjSpec()
     spec.option.timestep = TIMESTEP
@@ -68,11 +70,15 @@ def model_of(
             body.add_freejoint()
         for solid in _solids(part):
             add_solid(spec, body, solid)
+    if hand:
+        moved = spec.worldbody.add_body(name="hand", mocap=True)
+        for solid in hand:
+            add_solid(spec, moved, solid)
     model = spec.compile()
     # Pieces may overlap, so their volumes tell how the mass is spread but not how much it is.
-    masses = np.array([part.mass for part in parts])
-    model.body_inertia[1:] *= (masses / model.body_mass[1:])[:, None]
-    model.body_mass[1:] = masses
+    masses, of_parts = np.array([part.mass for part in parts]), slice(1, len(parts) + 1)
+    model.body_inertia[of_parts] *= (masses / model.body_mass[of_parts])[:, None]
+    model.body_mass[of_parts] = masses
     mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
 

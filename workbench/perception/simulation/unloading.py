@@ -59,9 +59,9 @@ def unloaded(
     data = mujoco.MjData(model)
     state = data.qpos.reshape(-1, 7)
     for row, number in enumerate(others):
-        state[row] = _numbers(T_bin_world * pile[number].T_world_part * Ts_part_frame[number])
+        state[row] = place_and_turn(T_bin_world * pile[number].T_world_part * Ts_part_frame[number])
     for T in _evenly([T * Ts_part_frame[taken] for T in way]):
-        data.mocap_pos[0], data.mocap_quat[0] = np.split(_numbers(T_bin_world * T), [3])
+        data.mocap_pos[0], data.mocap_quat[0] = np.split(place_and_turn(T_bin_world * T), [3])
         advance(model, data)
     # What is out of the bin for good must not hold up those that fall.
     data.mocap_pos[0] = (0.0, 0.0, 10.0)
@@ -82,7 +82,7 @@ def is_in_bin(bin: Bin, part: Part, T_world_part: pin.SE3) -> bool:
     return bool(abs(x) <= length / 2 and abs(y) <= width / 2 and z >= 0.0)
 
 
-def _numbers(T: pin.SE3) -> np.ndarray:
+def place_and_turn(T: pin.SE3) -> np.ndarray:
     """Place (3) [m] and quaternion w, x, y, z as MuJoCo has them, (7,)."""
     quaternion = pin.Quaternion(T.rotation)
     place = T.translation

@@ -11,7 +11,7 @@ from workbench.model.cell import Cell, Policy
 from workbench.model.derived.assembling import insertion_of
 from workbench.model.derived.by_tcp import may_touch
 from workbench.model.geometry import Bools, Floats, Ints
-from workbench.planning.collision.bodies import Body, pairs_of
+from workbench.planning.collision.bodies import Body, obstacle_label, pairs_of
 from workbench.planning.kinematics.robot import Kinematics
 
 SLACK = 0.0005
@@ -44,6 +44,8 @@ class LegPhase:
     `targets`: arm -> the part that its tool is about to take.  `straight`: arms whose tool and held
     part may come as near as the policy's `near_margin`.  `inserts`: arms on the last linear motion
     to a place, whose part may come as near to the one it is assembled onto as their clearance.
+    `stirs`: arms that may be in the world's second obstacle, and their tools in the first, too: a
+    box that stands for all parts, and one above it.
     """
 
     moving: frozenset[str]
@@ -53,6 +55,7 @@ class LegPhase:
     targets: Mapping[str, int] = field(default_factory=dict)
     straight: frozenset[str] = frozenset()
     inserts: frozenset[str] = frozenset()
+    stirs: frozenset[str] = frozenset()
 
     @property
     def key(self) -> tuple[object, ...]:
@@ -60,7 +63,7 @@ class LegPhase:
         holders = tuple(sorted((arm, number) for arm, (number, _) in self.held.items()))
         placers = tuple(sorted((arm, number) for arm, (number, _, _) in self.placed.items()))
         targets = tuple(sorted(self.targets.items()))
-        return (self.moving, holders, placers, targets, self.straight, self.inserts)
+        return (self.moving, holders, placers, targets, self.straight, self.inserts, self.stirs)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,6 +176,7 @@ class Pairing:
             if may_touch(arm.tool, solid.name)
         }
         self._lip = self._tool & np.array([body.label in touching for body in bodies])
+        self._boxes = [np.array([b.label == obstacle_label(k) for b in bodies]) for k in (0, 1)]
         self._part = np.array([int(b.owner) if b.kind == "part" else -1 for b in bodies])
         self._hand = np.array(
             [body.arm if body.kind == "tool" else flanges.get(body.owner, -1) for body in bodies]
@@ -209,6 +213,9 @@ class Pairing:
         )
         one_piece = (held[a] >= 0) & (held[a] == held[b])
         counts = (moves[a] | moves[b]) & ~in_hand & ~one_piece
+        stirs = np.isin(carrier, [self._arm[name] for name in phase.stirs])
+        for moved, box in zip((stirs & self._tool, stirs), self._boxes, strict=True):
+            counts &= ~((moved[a] & box[b]) | (moved[b] & box[a]))
         own = (carrier[a] == carrier[b]) & (carrier[a] >= 0)
         margins = np.full(len(a), self._policy.margin)
         margins[own] = self._policy.self_margin

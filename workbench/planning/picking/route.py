@@ -1,27 +1,22 @@
-"""From picks to a plan: the free legs between the straight ones, as they will be sent.
-
-A scanner on an arm goes to its view by a free leg, too.
-"""
+"""From picks to a plan: the free legs between the straight ones, as they will be sent."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-import pinocchio as pin
 
 from workbench.model.candidate import FoundGrip, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.derived.carried_points import InHand
 from workbench.model.derived.point_speeds import speeds_on
 from workbench.model.geometry import Floats
-from workbench.model.load import loads_of, tool_loads
+from workbench.model.load import loads_of
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import leg_message
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import (
     LEG_NAMES,
-    NO_PART,
     ArmPlan,
     Guarantee,
     Leg,
@@ -37,7 +32,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.quickness import pace_of
 from workbench.planning.kinematics.upright import UprightLimit, Uprightness, upright_limit
-from workbench.planning.picking.put_down import PutDown, home_of, posture_of, put_down
+from workbench.planning.picking.put_down import PutDown, home_of, put_down
 from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, onward
 from workbench.planning.planners.clock import working_time
 
@@ -49,6 +44,7 @@ MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
     "place": "linear",
     "home": "joint",
     "view": "joint",
+    "stir": "joint",
 }
 
 STRAIGHT_REASONS: Mapping[LegName, Reason] = {
@@ -188,50 +184,6 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
     return ArmPlan(arm.name, *taken, arm.joints, legs, loads=loads, found=grip, tcp=tcp)
 
 
-def route_view(
-    world: World, arm_name: str, between: tuple[Floats, Floats], *, scan_digest: str, seed: int
-) -> Plan | Verdict:
-    """A plan in which an arm takes its scanner to a view, or home.
-
-    Its hand is empty and as wide open as it can be.
-
-    Args:
-        world: without parts; its obstacles fill the bin.
-        arm_name: which arm carries it.
-        between: the postures (n,) [rad, m] where it begins and ends.
-        scan_digest: of the parts, of which there are none.
-        seed: of the request.
-
-    Returns:
-        The plan, or the verdict of its leg.
-    """
-    began = working_time()
-    arm = world.arm(arm_name)
-    nothing = arm.name, NO_PART, "", pin.SE3.Identity()
-    plan = ArmPlan(*nothing, arm.joints, (), loads=tool_loads(arm.tool))
-    opening = float(arm.tool.stroke[1])
-    world.enter(phase_of([(plan, "view", opening)]))
-    start, goal = (posture_of(world, arm, np.asarray(q)) for q in between)
-    rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
-    path = free_path(world, arm, start[None], goal, rng)
-    if isinstance(path, Verdict):
-        return path
-    leg = leg_of(world, arm, "view", path, opening, None)
-    return Plan(
-        cell=world.cell.name,
-        cell_digest=world.cell.digest,
-        scan_digest=scan_digest,
-        seed=seed,
-        strategy=Strategy.single(arm.name),
-        guarantee=Guarantee.ONE_AT_A_TIME,
-        detections=(),
-        obstacles=world.obstacles,
-        arms=(replace(plan, legs=(leg,)),),
-        sequence=(Step(((arm.name, "view"),)),),
-        seconds={"route": working_time() - began},
-    )
-
-
 def along_placed(world: World, arm: str, path: Floats) -> tuple[Contact, Floats] | None:
     """The first part placed by another arm that an arm meets on a path, in this phase.
 
@@ -269,7 +221,8 @@ def leg_of(
 ) -> Leg:
     """A leg of one arm along a path (m, n) [rad], with its timing; the `opening` is in m."""
     pace = pace_of(world.chains[arm.name], world.policy.speed)
-    points = speeds_on(world.cell, arm, name in HOLDING, opening, hand)
+    stirs = name == "stir"
+    points = speeds_on(world.cell, arm, name in HOLDING, opening, hand, stirs=stirs)
     limits = pace.velocity, pace.acceleration, world.policy.zone, pace.jerk
     times = compute_times(path, *limits, None if points is None else points.shares)
     return Leg(name, MOTIONS[name], name in HOLDING, opening, path, times)

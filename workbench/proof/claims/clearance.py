@@ -2,8 +2,8 @@
 
 from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.states import ClearanceText
-from workbench.model.motion import ceil_energy, ceil_speed, greatest_speed
-from workbench.model.plan import Proof, floor_distance
+from workbench.model.motion import ceil_energy, ceil_speed, floor_distance, greatest_speed
+from workbench.model.plan import Proof
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
 

@@ -17,6 +17,7 @@ from workbench.model.messages.plans import (
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import (
     LEG_NAMES,
+    STIR_LEGS,
     VIEW_LEGS,
     ArmPlan,
     Guarantee,
@@ -29,6 +30,7 @@ from workbench.model.plan import (
 from workbench.model.robot import Tcp
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.claims.scene import unseen_bin
+from workbench.proof.claims.stirring import stir_violations
 
 SAME = 1e-9
 """[rad] So far from the end of a leg the next one may begin; and half of the smallest step that can
@@ -61,6 +63,10 @@ def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]
         elif not _stated_tcp(cell.arm(arm_plan.arm).tool, arm_plan):
             tool = cell.arm(arm_plan.arm).tool.name
             yield Violation(ProofText.UNKNOWN_TCP(tool=tool, tcp=arm_plan.tcp), arm_plan.arm)
+        elif plan.is_stir_plan and not arm_plan.takes_part:
+            yield from stir_violations(cell, plan, arm_plan)
+            home = cell.arm(arm_plan.arm).home
+            yield from _legs(cell, arm_plan, STIR_LEGS, (home, home))
         elif not arm_plan.takes_part:
             yield from _view(cell, plan, arm_plan)
         elif not 0 <= arm_plan.detection < len(plan.detections):

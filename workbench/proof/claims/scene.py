@@ -23,7 +23,7 @@ ALIKE = 3e-4
 around it."""
 
 
-def bodies_of(cell: Cell, tree: Tree, scene: Scene) -> tuple[CheckedBody, ...]:
+def scene_bodies(cell: Cell, tree: Tree, scene: Scene) -> tuple[CheckedBody, ...]:
     """Links, tools, fixtures, the bin, the parts of the scene, and what else the scan shows."""
     robot = (*_links(cell, tree), *_housing(cell, tree), *_tools(cell, tree))
     return (*robot, *still_of(cell, scene), *_parts(cell, scene))
@@ -208,7 +208,7 @@ def turned_pieces(part: Part, found: Detection) -> list[list[tuple[Shape, pin.SE
     return every
 
 
-def turned_rooms(part: Part, found: Detection) -> list[tuple[Shape, pin.SE3]]:
+def turned_rooms(part: Part, found: Detection) -> list[tuple[Cylinder, pin.SE3]]:
     """For each piece of a part the cylinder in the world that holds it at every turn."""
     axis = roll_axis(part, found)
     rooms = [room_of(piece, axis) for piece in part.pieces]

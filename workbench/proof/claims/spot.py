@@ -10,7 +10,6 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Shape
 from workbench.model.plan import Plan, Violation
-from workbench.proof.claims.scene import bodies_of
 from workbench.proof.claims.stages import (
     FIRST_LEGS,
     MovingArm,
@@ -19,6 +18,7 @@ from workbench.proof.claims.stages import (
     steps_of,
     waiting_fingers,
 )
+from workbench.proof.claims.stirring import bodies_of
 from workbench.proof.claims.table import PairTable
 from workbench.proof.engine.robot import Tree, tree_of
 from workbench.proof.engine.space import Space
@@ -55,7 +55,7 @@ def spot_of(cell: Cell, plan: Plan, place: Violation) -> Spot | None:
     if place.pair is None or place.q is None or place.waypoint is None:
         return None
     tree = tree_of(cell)
-    bodies = bodies_of(cell, tree, plan.scene)
+    bodies = bodies_of(cell, tree, plan)
     table = PairTable(cell, tree, bodies)
     space = Space(tree, bodies, table)
     wanted = set(place.pair)

@@ -19,7 +19,7 @@ from workbench.proof.claims.table import Situation
 from workbench.proof.engine.robot import Tree
 from workbench.proof.engine.sets import Sets
 
-NEAR_MARGIN_LEGS: frozenset[LegName] = frozenset({"approach", "extract"})
+NEAR_MARGIN_LEGS: frozenset[LegName] = frozenset({"approach", "extract", "stir"})
 """Legs on which tool and held part keep `near_margin`; the place leg is linear but keeps
 `margin`."""
 
@@ -170,6 +170,7 @@ def situation_of(tree: Tree, step: MovingStep, *ones: MovingArm) -> Situation:
         near_arm=arm_motion.arm.name if arm_motion.leg.name in NEAR_MARGIN_LEGS else "",
         target=arm_motion.plan.detection if arm_motion.leg.name == "approach" else -1,
         placed_now=arm_motion.plan.detection if arm_motion.leg.name == "place" else -1,
+        stirs=arm_motion.arm.name if arm_motion.leg.name == "stir" else "",
     )
 
 

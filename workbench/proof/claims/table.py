@@ -6,13 +6,15 @@
 | links that the robot's description says need no check | is not compared |
 | link or tool and another link or tool of the same arm | `self_margin` |
 | held part and a link of the arm that holds it | `margin`, on approach and extract `near_margin` |
-| tool or held part, on approach and extract, and what no arm carries | `near_margin` |
+| tool or held part, on approach, extract and stir, and what no arm carries | `near_margin` |
 | tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
 | the same, of a solid that the TCP does not name in `touches` | `near_margin` |
 | closing or opening fingers and the part they take or let go | is not compared |
 | lifted part and what it lies on, over the first `release` | as at the start, less 0.5 mm |
 | the same, at every turn of a part whose roll is not known | see `grasps.rolls` |
 | hand and the part it has let go of, until it has left it once | as at the start, less 0.5 mm |
+| tool that stirs and the boxes that stand for all parts, on the leg `stir` | is not compared |
+| the arm that stirs and the upper one of these, on that leg | is not compared |
 | part that is assembled, on its last straight motion, and the one it comes onto | `clearance` |
 | everything else | `margin` |
 
@@ -36,6 +38,12 @@ from workbench.proof.engine.robot import Tree
 SLACK = 0.0005
 """[m] A lift that leans, and rounding, bring a part this much nearer to what it lies on."""
 
+CONTENT = "bin_content"
+"""What people call the box that stands for all parts while a hand stirs them."""
+
+ABOVE = "above_content"
+"""What people call the box above that, in which a part may come to stand upright."""
+
 TOUCH = 1e-6
 """[m] What touches may seem this far apart by rounding."""
 
@@ -58,7 +66,7 @@ class Situation:
     on approach or extract, empty for none.  `target`: the detection that its tool is about to
     take.  `fingers_move_at`: the detection around which fingers close or open now; contacts with
     it are not compared then.  `placed_now`: the detection that is on its last straight motion to
-    its place.
+    its place.  `stirs`: the arm that stirs the parts.
     """
 
     moves: Bools
@@ -68,6 +76,7 @@ class Situation:
     target: int = -1
     fingers_move_at: int = -1
     placed_now: int = -1
+    stirs: str = ""
 
 
 class PairTable(BodyPairs):
@@ -94,6 +103,8 @@ class PairTable(BodyPairs):
         self.first, self.second = np.nonzero(self.counts)
         self._part = np.array([b.part for b in bodies])
         self._tool = np.array([b.kind == "tool" for b in bodies])
+        self._content = np.array([b.label == CONTENT for b in bodies])
+        self._above = np.array([b.label == ABOVE for b in bodies])
         barred = _barred_labels(cell)
         self._barred = np.array([b.label in barred for b in bodies])
         self._finger = np.array([b.is_finger for b in bodies])
@@ -122,6 +133,10 @@ class PairTable(BodyPairs):
         if now.fingers_move_at >= 0:
             part = self._part == now.fingers_move_at
             counts &= ~((part[a] & self._finger[b]) | (part[b] & self._finger[a]))
+        if now.stirs:
+            stirs = self._carrier == self._arm_numbers[now.stirs]
+            for moves, box in ((stirs, self._above), (stirs & self._tool, self._content)):
+                counts &= ~((moves[a] & box[b]) | (moves[b] & box[a]))
         rows = np.flatnonzero(counts)
         a, b = a[rows], b[rows]
         commons = self._tree.commons[joints[a], joints[b]]

@@ -14,7 +14,6 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Guarantee, Plan, Proof, Violation, are_in_step
 from workbench.proof.claims.grasps.straight import part_reach, straight_violations
 from workbench.proof.claims.motion import sweep_path
-from workbench.proof.claims.scene import bodies_of
 from workbench.proof.claims.stages import (
     NEAR_MARGIN_LEGS,
     LegStage,
@@ -28,6 +27,7 @@ from workbench.proof.claims.stages import (
     steps_of,
     waiting_fingers,
 )
+from workbench.proof.claims.stirring import bodies_of
 from workbench.proof.claims.table import PairTable, Situation, least_distance_allowed
 from workbench.proof.engine.pairs import Pairs
 from workbench.proof.engine.robot import Tree
@@ -86,7 +86,7 @@ class Walk:
         self._cell, self._tree, self._plan = cell, tree, plan
         self._stated = stated
         self._resolution = resolution
-        bodies = bodies_of(cell, tree, plan.scene)
+        bodies = bodies_of(cell, tree, plan)
         self._table = PairTable(cell, tree, bodies)
         self._space = Space(tree, bodies, self._table)
         self._numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
@@ -152,7 +152,8 @@ class Walk:
 
     def _pairs(self, now: Situation) -> Pairs:
         """The pairs of a situation of the step that was put last; the same are asked for often."""
-        key = now.moves.tobytes(), now.near_arm, now.target, now.fingers_move_at, now.placed_now
+        leg = now.near_arm, now.target, now.fingers_move_at, now.placed_now, now.stirs
+        key = now.moves.tobytes(), *leg
         if key not in self._known:
             self._known[key] = self._table.pairs(now, self._space.joints)
         return self._known[key]

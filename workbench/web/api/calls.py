@@ -21,6 +21,7 @@ from workbench.app.core.control import (
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.correcting import CorrectPart
+from workbench.app.core.cycle.empty_hand import PlanStir, PlanView
 from workbench.app.core.cycle.jobs import CancelJob
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ForgetAvoided, ReportPick
 from workbench.app.core.cycle.parts import FindParts
@@ -28,7 +29,6 @@ from workbench.app.core.cycle.planning import MakePlan, WantThreshold
 from workbench.app.core.cycle.rows import ShortenRow
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import NextStep, SendPlan, Stop
-from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.session import AcknowledgeChanges, WriteNote
 from workbench.app.core.value_checks import (
@@ -210,6 +210,7 @@ CALLS: tuple[Call, ...] = (
         (SEED, Field("view", "its name; empty: that of the cell; `home`", _text(LONGEST_NAME), "")),
         begins=True,
     ),
+    Call("/stir", "Plan and prove how an arm stirs the parts.", PlanStir, (SEED,), begins=True),
     Call(
         "/emptying",
         "Empty piles in simulation, in the cell as it is; no robot moves.",

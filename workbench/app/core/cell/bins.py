@@ -63,7 +63,7 @@ class NewBin(Command):
         )
         if self.name != state.cell.bin.name:
             return after, ()
-        after = replace(after, views_without=(), earlier=None)
+        after = replace(after, views_without=(), earlier=None, stirs=0)
         if state.phase in (Phase.DONE, Phase.FAULT):
             return after, ()
         # The scan shows what lay there before.
@@ -77,7 +77,7 @@ def choose_bin(state: State, name: str) -> Changed:
     if cell is state.cell:
         return replace(state, message=message), ()
     whole = state.whole or state.cell
-    after, effects = with_cell(replace(state, views_without=()), cell, message)
+    after, effects = with_cell(replace(state, views_without=(), stirs=0), cell, message)
     return replace(after, whole=None if cell.digest == whole.digest else whole), effects
 
 

@@ -155,6 +155,8 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
     if ended.fault:
         message = StateText.FAULT_WHILE_SENDING(fault=ended.fault)
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
+    if state.plan is not None and state.plan.is_stir_plan:
+        return with_stirred(state)
     expected = sum(len(plan.picks) for plan in plans_begun(state) if not _goes_on(plan))
     failed = [
         StateText.ARM_FAILED(arm=part.arm, why=part.why)
@@ -164,6 +166,20 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
     finished = _finished_message(state, placed, expected)
     message = all_of((finished, *failed, lacks_message(state)))
     return stop_after_failures(replace(state, phase=Phase.DONE, message=message))
+
+
+def with_stirred(state: State) -> State:
+    """The state after a hand has stirred the parts: none lies where a scan has shown it."""
+    chosen = state.cell.bin.name
+    return replace(
+        state,
+        phase=Phase.DONE,
+        stirs=state.stirs + 1,
+        avoided=tuple(mark for mark in state.avoided if mark.bin != chosen),
+        empty_bins=tuple(name for name in state.empty_bins if name != chosen),
+        views_without=(),
+        message=StateText.STIRRED(),
+    )
 
 
 def _finished_message(state: State, placed: int, expected: int) -> Message:
@@ -181,7 +197,7 @@ def _with_placed_in_kit(state: State, ended: SendingEnd) -> State:
 
     Where nobody says of each part whether it was picked, all came there if as many were placed.
     """
-    if state.plan is None or state.plan.is_view_plan:
+    if state.plan is None or not state.plan.picks:
         return state
     first, arms = state.plans[0], state.plan.arms
     reported = {part.detection: part.is_picked for part in ended.parts}

@@ -29,7 +29,8 @@ from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import ClearanceText, PosesText, StateText
-from workbench.model.plan import PlanResult, Proven, floor_distance
+from workbench.model.motion import floor_distance
+from workbench.model.plan import PlanResult, Proven
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
@@ -154,7 +155,7 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
             message = StateText.NOT_PROVEN(violation=result.proof.violations[0].message)
     else:
         phase = Phase.PLANNED
-        state = replace(state, views_without=())
+        state = replace(state, views_without=(), stirs=0)
         message = StateText.PLAN_READY(
             strategy=strategy_message(result.plan.strategy),
             cycle=result.plan.cycle_seconds,

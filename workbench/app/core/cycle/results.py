@@ -20,10 +20,16 @@ from workbench.app.core.cycle.arm_scanner import (
     standing_joints,
     view_problem,
 )
+from workbench.app.core.cycle.empty_hand import (
+    may_stir,
+    plan_path,
+    plan_stir,
+    with_stir_plan,
+    with_view_plan,
+)
 from workbench.app.core.cycle.parts import add_search, find_parts, with_detections
 from workbench.app.core.cycle.planning import make_plan, with_plan
 from workbench.app.core.cycle.scanning import TakeScan, take_scan, with_scan
-from workbench.app.core.cycle.viewing import plan_path, with_view_plan
 from workbench.app.core.state import Job, Phase, State
 from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.errors import JobCancelled, WorkbenchError
@@ -88,6 +94,8 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             return with_plan(state, result, job)
         case ("view", PlanResult()):
             return with_view_plan(state, result)
+        case ("stir", PlanResult()):
+            return with_stir_plan(state, result)
         case _:
             wrong = type(result).__name__
             return replace(state, message=_failure_message(job, JobText.WRONG_RESULT(kind=wrong)))
@@ -116,6 +124,8 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
             return make_plan(after, entry, job.then.plan, then=job.then)
         case "localize" | "plan", _ if is_nothing_taken(after) and next_view(after):
             return _from_view(next_view(after), after, entry, job.then)
+        case "plan", _ if is_nothing_taken(after) and may_stir(after):
+            return _stir(after, entry, job.then)
         case _ if is_exhausted(after) and before.phase is not Phase.SENDING:
             return from_next_bin(after, entry, job.then)
         case "scan" | "localize", _:
@@ -149,14 +159,23 @@ def _from_view(name: str, state: State, entry: Entry, then: "GoOn") -> Decision:
     return replace(begun, message=said), (*effects, *tasks)
 
 
+def _stir(state: State, entry: Entry, then: "GoOn") -> Decision:
+    """The cycle with a plan to stir the parts, which nothing can take as they lie."""
+    begun, effects = plan_stir(state, entry, then.plan.seed, then)
+    said = all_of((as_message(state.message), as_message(begun.message)))
+    return replace(begun, message=said), effects
+
+
 def _without_kit_part(state: State, entry: Entry, then: "GoOn") -> Decision:
-    """The cycle with the next view or bin where there is nothing for the kit; or its end."""
+    """The cycle where there is nothing for the kit: the next view, stirring, the next bin."""
     after = state
     if lacks_of(state):
         after = with_nothing_seen(state)
         if name := next_view(after):
             message = all_of((as_message(state.message), next_view_message(after)))
             return _from_view(name, replace(after, message=message), entry, then)
+        if may_stir(after):
+            return _stir(after, entry, then)
         passed = (*state.kit.bins_without, state.cell.bin.name)
         after = replace(after, kit=replace(state.kit, bins_without=passed))
         if name := next_bin(after):

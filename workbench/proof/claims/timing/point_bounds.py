@@ -16,8 +16,8 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats, Ints, Sphere
 from workbench.model.plan import Plan
-from workbench.proof.claims.scene import bodies_of
 from workbench.proof.claims.stages import MovingArm, MovingStep, find_carried
+from workbench.proof.claims.stirring import bodies_of
 from workbench.proof.engine.bodies import CheckedBody
 from workbench.proof.engine.frames import BodyPoses, poses
 from workbench.proof.engine.robot import Tree
@@ -52,7 +52,7 @@ class PointBounds:
             for joint, T in [tree.flange(arm)]
         ]
         self._tcps = {arm.name: number for number, arm in enumerate(cell.arms)}
-        self._bodies = (*dots, *bodies_of(cell, tree, plan.scene))
+        self._bodies = (*dots, *bodies_of(cell, tree, plan))
         self._chain = chain_of(tree)
         self._joint_of = {int(self._chain.columns[j]): j for j in tree.joints}
         self._arrays = arrays_of(self._bodies, np.zeros(len(self._bodies), bool))

@@ -42,7 +42,7 @@ def speed_claims(
     cell: Cell, tree: Tree, plan: Plan
 ) -> tuple[tuple[Violation, ...], tuple[SpeedBound, ...]]:
     """Legs on which points are too fast, and how fast each leg can be; nothing without limits."""
-    if not limits_speed(cell):
+    if not (limits_speed(cell) or plan.is_stir_plan):
         return (), ()
     bounds = PointBounds(cell, tree, plan)
     violations: list[Violation] = []
@@ -57,6 +57,12 @@ def speed_claims(
     return tuple(violations), tuple(stated)
 
 
+def _limits(cell: Cell, moving: MovingArm) -> tuple[float, float]:
+    """How fast [m/s] the TCP and any point may be on a leg."""
+    leg = moving.leg
+    return speed_limits(cell, moving.arm, leg.holding, stirs=leg.name == "stir")
+
+
 class _Together:
     """Legs that have one clock."""
 
@@ -67,7 +73,7 @@ class _Together:
         robot, share = cell.robot, cell.policy.speed
         self._velocity = np.concatenate([robot.limits(m.arm.joints)[2] * share for m in some])
         self._acceleration = np.concatenate([m.arm.acceleration for m in some])
-        self._limits = [speed_limits(cell, m.arm, m.leg.holding) for m in some]
+        self._limits = [_limits(cell, m) for m in some]
         self._steps = np.diff(np.hstack([m.leg.q for m in some]), axis=0)
         corners = cell.controller.motion.corners
         self._rounded = self._of(bounds, step, cell.zone) if cell.zone > 0.0 else None
@@ -117,7 +123,7 @@ class _Together:
             return
         row = max(row for row in rows if row is not None)
         first = self._some[0]
-        most = speed_limits(self._cell, first.arm, first.leg.holding)
+        most = _limits(self._cell, first)
         yield Violation(
             ProofText.POINT_TOO_FAST(most=min(most)), first.arm.name, first.leg.name, row
         )

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 from arm_scanner_cell import on_arm_cell, six_axes_cell
 
-from workbench.app.viewing.view_plan import plan_view
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.gui.shared.playback import in_hands, part_poses, timeline
@@ -123,4 +123,4 @@ def test_a_link_that_sends_poses_alone_sends_no_path_to_a_view() -> None:
     assert plan is not None and misfit(plan, cell) is None
     options = {"poses": "staubli", "longest": 128}
     there = replace(cell, controller=controller_by("pick-server", options=options))
-    assert "no path to the view goes out" in str(misfit(plan, there))
+    assert "no path without a part goes out" in str(misfit(plan, there))

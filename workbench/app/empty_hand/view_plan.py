@@ -13,7 +13,7 @@ from workbench.model.plan import PlanResult
 from workbench.model.robot import HOME
 from workbench.model.scan import Obstacle, Scene
 from workbench.planning.collision.world import World
-from workbench.planning.picking.route import route_view
+from workbench.planning.empty_hand.view_path import route_view
 from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.progress import Report, silent
 from workbench.proof.claims.prove import prove

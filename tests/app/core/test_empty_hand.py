@@ -8,15 +8,15 @@ from arm_scanner_cell import at_view, before_view, on_arm_cell, pose_at
 from line import Line, refused
 
 from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.empty_hand import PlanView
 from workbench.app.core.cycle.outcomes import ReportPick, parts_sent_for
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
-from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send, StartJob
 from workbench.app.core.state import Phase
-from workbench.app.viewing.view_plan import plan_view
+from workbench.app.empty_hand.view_plan import plan_view
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Cell

@@ -1,0 +1,173 @@
+"""Motions of an empty hand: a scanner's path to its view and back, and parts that are stirred."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
+
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.arm_scanner import (
+    path_problem,
+    path_start,
+    scan_problem,
+    standing_joints,
+    view_named,
+)
+from workbench.app.core.state import (
+    Phase,
+    PlanState,
+    ScanState,
+    State,
+    before_a_scan,
+    begin_stage,
+)
+from workbench.app.core.tasks import Begun, begin_task
+from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
+from workbench.model.candidate import Reason
+from workbench.model.derived.policies import stir_problem
+from workbench.model.messages.cells import ViewChoiceText
+from workbench.model.messages.commands import CommandText
+from workbench.model.messages.message import Message, all_of
+from workbench.model.messages.refusals import Refusal
+from workbench.model.messages.states import ClearanceText, StateText
+from workbench.model.motion import floor_distance
+from workbench.model.plan import PlanResult
+from workbench.model.robot import HOME
+
+if TYPE_CHECKING:
+    from workbench.app.core.cycle.ahead import GoOn
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanView(Command):
+    """Plan how the arm with the scanner goes from its home, or another view, to the chosen one.
+
+    `view`: its name, or empty; `HOME`: back from it to the arm's home.
+    """
+
+    right: ClassVar[Right] = Right(CommandText.PLAN_VIEW, SAFE)
+
+    view: str = ""
+    seed: int = 0
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
+        check_text("view", self.view)
+        carrier = view_named(state.cell, self.view)
+        joints = standing_joints(state.cell, asked.joints)
+        refuse(path_problem(state.cell, carrier, joints, self.view))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return plan_path(state, entry, view=self.view, seed=self.seed)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanStir(Command):
+    """Plan how an arm stirs the parts in the bin with its closed hand, where none can be taken."""
+
+    right: ClassVar[Right] = Right(
+        CommandText.PLAN_STIR, frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})
+    )
+
+    seed: int = 0
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
+        refuse(stir_refusal(state))
+        refuse(scan_problem(state.cell, state.scan, standing_joints(state.cell, asked.joints)))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return plan_stir(state, entry, self.seed)
+
+
+def stir_refusal(state: State) -> Message | None:
+    """Why no hand can stir the parts found; None when one can."""
+    return stir_problem(state.cell) if state.detections else Refusal.NO_PARTS_TO_STIR()
+
+
+def may_stir(state: State) -> bool:
+    """Whether the cell's rule lets a cycle stir the parts now, where none can be taken."""
+    is_late = state.verdict is not None and state.verdict.reason is Reason.OUT_OF_TIME
+    return state.stirs < state.cell.policy.stirs and not is_late and stir_refusal(state) is None
+
+
+def plan_stir(state: State, entry: Entry, seed: int, then: "GoOn | None" = None) -> Begun:
+    """A plan by which an arm stirs the parts begins to be made; with `then` that of a cycle."""
+    arguments = {
+        "detections": state.detections,
+        "scan_digest": state.scene_digest,
+        "scan": state.scan,
+        "placed": state.placed,
+        "seed": seed,
+    }
+    return begin_task(state, entry, "stir", arguments, StateText.PLANNING(), seed=seed, then=then)
+
+
+def with_stir_plan(state: State, result: PlanResult) -> State:
+    """The state after stirring was planned; the verdicts on the parts stay."""
+    plan, proof = result.plan, result.proof
+    if plan is None or proof is None:
+        return replace(state, message=StateText.NO_STIR(verdict=result.verdict.message))
+    message = StateText.STIR_PLANNED(
+        arm=plan.strategy.arm,
+        cycle=plan.cycle_seconds,
+        clearance=ClearanceText.FREE(free=floor_distance(proof.clearance)),
+    )
+    if not proof.holds:
+        message = StateText.NOT_PROVEN(violation=proof.violations[0].message)
+    return begin_stage(
+        state,
+        PlanState,
+        phase=Phase.PLANNED,
+        candidates=state.candidates,
+        plan=plan,
+        proof=proof,
+        verdict=result.verdict,
+        seconds=tuple(result.seconds.items()),
+        obstacles=result.obstacles,
+        outlines=state.outlines,
+        planned_threshold=state.wanted_threshold,
+        wanted_threshold=state.wanted_threshold,
+        message=message,
+    )
+
+
+def plan_path(state: State, entry: Entry, *, view: str = "", seed: int = 0) -> Begun:
+    """The path to the chosen view begins to be planned, or with `HOME` the one back."""
+    carrier = view_named(state.cell, view)
+    joints = standing_joints(state.cell, entry.joints)
+    start = path_start(state.cell, carrier, joints) or HOME
+    arguments = {"view": view, "start": start, "placed": state.placed, "seed": seed}
+    return begin_task(state, entry, "view", arguments, StateText.PLANNING())
+
+
+def with_view_plan(state: State, result: PlanResult) -> State:
+    """The state after the path to the view, or back, was planned.
+
+    With a plan the scan is void: the arm leaves where it was taken.
+    """
+    plan, proof, carrier = result.plan, result.proof, state.cell.scanner.on_arm
+    if plan is None or proof is None or carrier is None:
+        return replace(state, message=StateText.NO_PLAN(verdict=result.verdict.message))
+    facts = {
+        "cycle": plan.cycle_seconds,
+        "clearance": ClearanceText.FREE(free=floor_distance(proof.clearance)),
+    }
+    message = StateText.VIEW_PLANNED(view=carrier.view.name, **facts)
+    if carrier.leads_home(plan.arms[0].legs[0].q):
+        message = StateText.HOME_PLANNED(**facts)
+    elif state.views_without:
+        nothing = ViewChoiceText.NOTHING_FROM(views=state.views_without)
+        message = all_of((nothing, message))
+    if not proof.holds:
+        message = StateText.NOT_PROVEN(violation=proof.violations[0].message)
+    return begin_stage(
+        before_a_scan(state),
+        ScanState,
+        phase=Phase.PLANNED,
+        scene_digest=plan.scan_digest,
+        plan=plan,
+        proof=proof,
+        verdict=result.verdict,
+        seconds=tuple(result.seconds.items()),
+        obstacles=result.obstacles,
+        message=message,
+    )
