@@ -222,7 +222,9 @@ for layer in (formats, perception, planning):
     for found in pkgutil.walk_packages(layer.__path__, layer.__name__ + "."):
         module = importlib.import_module(found.name)
         for one in vars(module).values():
-            if isinstance(one, Dispatcher) and one.py_func.__module__ == found.name:
+            is_own = isinstance(one, Dispatcher) and one.py_func.__module__ == found.name
+            # What is inlined is compiled with what calls it.
+            if is_own and one.targetoptions.get("inline") != "always":
                 name = f"{one.py_func.__name__}-{one.py_func.__code__.co_firstlineno}.*.nbc"
                 kept = list(Path(one.stats.cache_path).glob("*." + name))
                 print("compiled" if kept else "left out:", found.name, one.py_func.__name__)

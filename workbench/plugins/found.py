@@ -143,9 +143,10 @@ def _own() -> dict[Group, dict[str, _Found]]:
         package = distribution(OURS)
     except PackageNotFoundError:
         raise InputError("the workbench is not installed; `pip install .` does that") from None
+    version = package.version
     return {
         group: {
-            entry.name: (entry, OURS, package.version)
+            entry.name: (entry, OURS, version)
             for entry in package.entry_points
             if entry.group == group
         }
@@ -159,8 +160,13 @@ def _foreign() -> dict[Group, dict[str, list[_Found]]]:
     declared = entry_points()
     for group in GROUPS:
         for entry in declared.select(group=group):
-            package: Any = entry.dist
-            name = str(package.name).lower().replace("_", "-")
+            name, version = _name_and_version(entry.dist)
             if name != OURS:
-                found[group].setdefault(entry.name, []).append((entry, name, package.version))
+                found[group].setdefault(entry.name, []).append((entry, name, version))
     return found
+
+
+@cache
+def _name_and_version(package: Any) -> tuple[str, str]:
+    """Of a distribution, which reads its whole description for each of them."""
+    return str(package.name).lower().replace("_", "-"), package.version

@@ -1,5 +1,6 @@
 """The seam of localizers: which parts lie where in a scan."""
 
+from dataclasses import replace
 from typing import Any, Protocol
 
 from workbench.model.cell import Cell
@@ -65,10 +66,13 @@ def find_parts(
     *,
     seed: int,
     detail: float = 1.0,
+    least_score: float = 0.0,
     report: Report = silent,
     cancelled: Cancelled = never,
 ) -> LocalizationResult:
     """The parts in a scan, by the cell's localizer; see `Localizer.find`.
+
+    Parts with a score below `least_score`, 0..1, are left out.
 
     Raises:
         InputError: there is no such localizer, or it found a part that the cell does not have.
@@ -83,4 +87,5 @@ def find_parts(
             raise InputError(
                 f"localizer {name} found a part {detection.part!r}, which the cell has not"
             )
-    return found
+    sure = tuple(part for part in found.detections if part.score >= least_score)
+    return replace(found, detections=sure)

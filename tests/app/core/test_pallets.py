@@ -13,8 +13,9 @@ from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.decide import check_allowed, decide
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.state import Phase, State
-from workbench.app.picking.facts import put_down, with_facts
+from workbench.app.picking.facts import with_facts
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.stations import put_down
 from workbench.app.runtime.work import boxes_around
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find

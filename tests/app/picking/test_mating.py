@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from assembling import assembly_cell, insertion, placed_bolt, standing_spacer, with_insertion
 
-from workbench.app.picking.facts import put_down
 from workbench.app.picking.row import plan_row
+from workbench.app.picking.stations import put_down
 from workbench.model.messages.grasps import BudgetText
 from workbench.model.messages.plans import PlanNote
 from workbench.model.recipes.joint import PlacingError

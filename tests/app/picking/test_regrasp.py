@@ -7,11 +7,10 @@ import pinocchio as pin
 import pytest
 
 from workbench.app.core.cycle.standing import left_on_station
-from workbench.app.picking.facts import put_down
 from workbench.app.picking.judging import judge
 from workbench.app.picking.proving import prove as prove_alone
 from workbench.app.picking.row import plan_row, prove_row
-from workbench.app.picking.stations import station_problems
+from workbench.app.picking.stations import put_down, station_problems
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.certificates import read_certificate, write_certificate
 from workbench.formats.plans.plan_files import read_plan, write_plan

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from workbench.app.emptying.taking import carried_out, failure
-from workbench.app.picking.facts import put_down
 from workbench.app.picking.glance import glance_at, glance_by_each_tcp
 from workbench.app.picking.judging import judge
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import adopt_plan
+from workbench.app.picking.stations import put_down
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.derived.by_tcp import by_each_tcp, by_plan

@@ -67,7 +67,7 @@ def test_what_is_found_is_drawn_over_the_scan(monkeypatch, scan, tmp_path):
 def test_a_part_is_searched_in_the_size_that_is_typed(monkeypatch, scan, tmp_path, capsys):
     searched = []
 
-    def find(cell, *_, **__):
+    def find(_, cell, **__):
         searched.append(cell)
         return LocalizationResult(())
 

@@ -146,7 +146,7 @@ def test_what_is_learnt_is_written_with_the_part(monkeypatch, bracket, tmp_path,
     assert main(["scan", str(file), "--parts", "1", "--out", cloud]) == 0
     monkeypatch.setattr(look, "make_ready", lambda *_: True)
     search = of_size(0.95, 1.0)
-    monkeypatch.setattr(look, "find_parts", lambda cell, *_, **__: search(cell))
+    monkeypatch.setattr(look, "find_parts", lambda _, cell, **__: search(cell))
     words = ["--scan", cloud, "--out", str(tmp_path / "o.json"), "--learn"]
     assert main(["localize", str(file), *words]) == 0
     assert "scale = 0.95 is written" in capsys.readouterr().out

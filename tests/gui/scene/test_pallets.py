@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from workbench.app.core.state import Phase, State
-from workbench.app.picking.facts import put_down
 from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.stations import put_down
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.scene.picture import ScenePicture
 from workbench.gui.shared.look import Look

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from workbench.app.core.state import Phase, State
-from workbench.app.picking.facts import put_down
 from workbench.app.picking.row import plan_row
+from workbench.app.picking.stations import put_down
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.plan.curves import doing, lanes_html
 from workbench.gui.plan.views import plan_html

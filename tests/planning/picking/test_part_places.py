@@ -9,9 +9,9 @@ import pinocchio as pin
 import pytest
 from bending import with_nests
 
-from workbench.app.picking.facts import put_down
 from workbench.app.picking.judging import judge
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.stations import put_down
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Candidate, Pick, Reason, Stage
 from workbench.model.geometry import pose_from_rpy

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.picking.facts import put_down
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove, scene_of
 from workbench.app.picking.row import plan_row, prove_row
+from workbench.app.picking.stations import put_down
 from workbench.app.runtime.work import boxes_around
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find

@@ -14,11 +14,11 @@ from workbench.app.emptying.looking import from_next_view, scan_pile
 from workbench.app.emptying.remaining_parts import as_seen, left_alone, left_in, summarize
 from workbench.app.emptying.stirring import stir_pile
 from workbench.app.emptying.taking import carried_out, failure, in_turn
-from workbench.app.picking.facts import put_down
 from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.pile_check import kinds_in_turn
 from workbench.app.picking.row import plan_row
 from workbench.app.picking.sightlines import seconds_seen, sees_from
+from workbench.app.picking.stations import put_down
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
 from workbench.model.derived.assembling import assembled_kinds

@@ -4,9 +4,6 @@ import functools
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-import pinocchio as pin
-
 from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.ahead import GoOn
@@ -15,21 +12,16 @@ from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.pile_check import check_pile, with_kinds
 from workbench.app.picking.sightlines import sees_from
+from workbench.app.picking.stations import put_down
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Cell
-from workbench.model.derived.assembling import assembled_kinds
-from workbench.model.derived.by_tcp import by_plan
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.part import Bin
-from workbench.model.plan import ArmPlan, Plan, Proof, Proven
-from workbench.model.scan import Detection, Scan
+from workbench.model.plan import Plan, Proof, Proven
+from workbench.model.scan import Scan
 from workbench.perception.bins.bin_check import check_bin
-from workbench.planning.kinematics.robot import Kinematics
-from workbench.planning.placing.assembling import placing_error
 from workbench.plugins.planner import planner_named
-from workbench.proof.claims.places.standing import standing_after
 from workbench.proof.claims.spot import Spot, spot_of
-from workbench.proof.engine.robot import tree_of
 
 
 def bin_check_of(state: State) -> BinCheck | None:
@@ -75,18 +67,6 @@ def with_facts(state: State, command: Command) -> Command:
     return command
 
 
-# The robot is built for it, and a film asks at every drawing.
-@functools.lru_cache(maxsize=16)
-def stands_on_station(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> pin.SE3 | None:
-    """`T_world_part` of a part once an arm of a plan has let go of it over its station.
-
-    None where the arm puts it on none, or on one that the cell does not have any more.
-    """
-    if arm_plan.station not in [station.name for station in cell.stations]:
-        return None
-    return standing_after(cell, tree_of(cell), plan, arm_plan).T_world_part
-
-
 def check_installed(state: State, command: Command) -> None:
     """Look whether what a command needs is there: a planner that can be loaded, room for a pile.
 
@@ -106,29 +86,3 @@ def check_installed(state: State, command: Command) -> None:
                 pass
     except InputError as error:
         raise CommandRefused(error.message) from error
-
-
-def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
-    """The parts of a plan where its arms put them, as far as they stay there.
-
-    Those are at places that keep them, in an assembly, and on stations, where they stand until a
-    later plan takes them.
-    """
-    kinematics, assembled = Kinematics(cell), assembled_kinds(cell)
-    by = by_plan(cell, plan)
-    placed: list[Detection] = []
-    for arm_plan in plan.picks:
-        arm, found = by.arm(arm_plan.arm), plan.detections[arm_plan.detection]
-        if arm.keeps_parts or arm_plan.station or found.part in assembled:
-            T = stands_on_station(cell, plan, arm_plan)
-            if T is None:
-                T = (
-                    kinematics.tcp_pose(arm, np.asarray(arm_plan.leg("place").q[-1]))
-                    * arm_plan.T_tcp_part
-                )
-            # A roll that the scan did not show is not known on the pallet, either.
-            kept = Detection(found.part, T, roll_known=found.roll_known, roll_axis=found.roll_axis)
-            if found.part in assembled and not arm_plan.station:
-                kept = replace(kept, placing=placing_error(cell, found, arm_plan, T))
-            placed.append(replace(kept, T_world_found=found.T_world_found or found.T_world_part))
-    return tuple(placed)

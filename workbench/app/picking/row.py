@@ -5,10 +5,10 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from workbench.app.picking.facts import put_down
 from workbench.app.picking.pipeline import NOTHING, best_of, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.app.picking.regrasp import plan_regrasp
+from workbench.app.picking.stations import put_down
 from workbench.model.cell import MOST_PICKS, Cell
 from workbench.model.derived.policies import picks_problem
 from workbench.model.derived.row_parts import renumber

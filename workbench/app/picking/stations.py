@@ -1,5 +1,6 @@
-"""Where on a station a part can stand, so that it can be taken from there to its place."""
+"""Where parts stand: on stations, from which they are taken to their places, and after a plan."""
 
+import functools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -9,20 +10,26 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Pick, Reason, Verdict
 from workbench.model.cell import Cell, Policy
-from workbench.model.derived.by_tcp import by_each_tcp
+from workbench.model.derived.assembling import assembled_kinds
+from workbench.model.derived.by_tcp import by_each_tcp, by_plan
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
 from workbench.model.messages.parts import StationText
 from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.part import PartPlace, Station
+from workbench.model.plan import ArmPlan, Plan
 from workbench.model.scan import Detection, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.resting import resting_poses
+from workbench.planning.kinematics.robot import Kinematics
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
+from workbench.planning.placing.assembling import placing_error
 from workbench.planning.planners.clock import processor_time
 from workbench.plugins.progress import Cancelled, Report, never
+from workbench.proof.claims.places.standing import standing_after
+from workbench.proof.engine.robot import tree_of
 
 ABOVE = 0.0005
 """[m] So much more than the margin a part is above a station when it is let go of."""
@@ -187,3 +194,41 @@ def cell_with(cell: Cell, kind: str, stand: Stand, policy: Policy) -> Cell:
         cell,
         arms=tuple(replace(arm, Ts_world_place=(), part_places=place) for arm in cell.arms),
     )
+
+
+# The robot is built for it, and a film asks at every drawing.
+@functools.lru_cache(maxsize=16)
+def stands_on_station(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> pin.SE3 | None:
+    """`T_world_part` of a part once an arm of a plan has let go of it over its station.
+
+    None where the arm puts it on none, or on one that the cell does not have any more.
+    """
+    if arm_plan.station not in [station.name for station in cell.stations]:
+        return None
+    return standing_after(cell, tree_of(cell), plan, arm_plan).T_world_part
+
+
+def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
+    """The parts of a plan where its arms put them, as far as they stay there.
+
+    Those are at places that keep them, in an assembly, and on stations, where they stand until a
+    later plan takes them.
+    """
+    kinematics, assembled = Kinematics(cell), assembled_kinds(cell)
+    by = by_plan(cell, plan)
+    placed: list[Detection] = []
+    for arm_plan in plan.picks:
+        arm, found = by.arm(arm_plan.arm), plan.detections[arm_plan.detection]
+        if arm.keeps_parts or arm_plan.station or found.part in assembled:
+            T = stands_on_station(cell, plan, arm_plan)
+            if T is None:
+                T = (
+                    kinematics.tcp_pose(arm, np.asarray(arm_plan.leg("place").q[-1]))
+                    * arm_plan.T_tcp_part
+                )
+            # A roll that the scan did not show is not known on the pallet, either.
+            kept = Detection(found.part, T, roll_known=found.roll_known, roll_axis=found.roll_axis)
+            if found.part in assembled and not arm_plan.station:
+                kept = replace(kept, placing=placing_error(cell, found, arm_plan, T))
+            placed.append(replace(kept, T_world_found=found.T_world_found or found.T_world_part))
+    return tuple(placed)

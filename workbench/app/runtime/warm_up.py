@@ -33,6 +33,7 @@ from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.views.filling import densify
 from workbench.planning.collision.distances.measuring import distance
+from workbench.planning.collision.motion import halve_curve
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.grasps.part_rays import nearest_points
@@ -90,6 +91,7 @@ def plan() -> None:
     planner_named("rrtconnect")(
         zero, far_corner, zero, far_corner, far_corner, lambda a, b: False, iterations=1, rng=rng
     )
+    halve_curve(np.zeros((3, 2)))
     ease_corners(np.zeros((3, 2)), lambda a, b: False, far_corner, far_corner, 0.2)
     path = np.array([[0.0, 0.0], [1.0, 0.5], [0.5, 1.0]])
     times = np.diff(compute_times(path, far_corner, far_corner, 0.2, far_corner))

@@ -87,18 +87,15 @@ def find_parts(
 ) -> LocalizationResult:
     """All parts of the cell, each kind found in `scan` with `seed`, the surest first."""
     overrides: SearchOverrides = arguments.get("overrides", SearchOverrides())
-    found = localized(
+    return localized(
         arguments["scan"],
         cell,
         seed=arguments["seed"],
         detail=overrides.detail,
+        least_score=overrides.least_score,
         report=report,
         cancelled=cancelled,
     )
-    sure = tuple(
-        detection for detection in found.detections if detection.score >= overrides.least_score
-    )
-    return replace(found, detections=sure)
 
 
 def sight(

@@ -6,9 +6,7 @@ import numpy as np
 
 from workbench.app.core.value_checks import DETAIL, MOST_PARTS, SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
-from workbench.app.runtime.work import find_parts
 from workbench.cli.arguments import top as arguments
-from workbench.cli.picking.overlays import write_overlay
 from workbench.cli.picking.sizes import sizes_of, store_sizes
 from workbench.cli.terminal import check_number, check_whole, print_table, progress
 from workbench.formats.cells.reading import cell_path, read_cell
@@ -20,19 +18,20 @@ from workbench.model.scan import (
     Detection,
     LocalizationResult,
     RejectedHypothesis,
-    SearchOverrides,
 )
 from workbench.perception.bins.bin_check import check_bin
 from workbench.perception.bins.fill_level import parts_in_words
 from workbench.perception.parts.sizing import learn_sizes, with_sizes
 from workbench.perception.scene.sensor import sensor_model
-from workbench.perception.simulation.piles import pile_of
-from workbench.perception.simulation.synthesize import synthesize
-from workbench.plugins.progress import never
+from workbench.plugins.localizer import find_parts
 
 
 def scan(typed: arguments.ScanArguments) -> int:
     """Write a simulated scan and, when asked for, where the parts truly are."""
+    # Bring MuJoCo and Open3D along, which `localize` does not wait for before it reads its scan.
+    from workbench.perception.simulation.piles import pile_of
+    from workbench.perception.simulation.synthesize import synthesize
+
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     check_whole("--parts", typed.parts, 1, MOST_PARTS)
     cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin, typed.view)
@@ -53,17 +52,22 @@ def localize(typed: arguments.Localize) -> int:
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     check_number("--detail", typed.detail, *DETAIL)
     check_number("--least-score", typed.least_score, 0.0, 1.0)
-    overrides = SearchOverrides(typed.detail, typed.least_score)
     filed = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin, typed.view)
     sizes = {part.name: 1.0 for part in filed.parts} | sizes_of(filed, typed.scale)
     cell = with_sizes(filed, sizes)
     with progress("localize") as report:
         make_ready(report, ("seeing",))
         cloud = read_scan(typed.scan, cell.scanner)
-        given = {"scan": cloud, "seed": typed.seed, "overrides": overrides}
 
         def search(sized: Cell) -> LocalizationResult:
-            return find_parts(sized, given, report, cancelled=never)
+            return find_parts(
+                cloud,
+                sized,
+                seed=typed.seed,
+                detail=typed.detail,
+                least_score=typed.least_score,
+                report=report,
+            )
 
         if typed.learn:
             findings, cell, learnt = learn_sizes(cell, search, tuple(sizes))
@@ -73,6 +77,8 @@ def localize(typed: arguments.Localize) -> int:
     found = findings.detections
     write_poses(typed.out, found)
     if typed.overlay is not None:
+        from workbench.cli.picking.overlays import write_overlay
+
         write_overlay(typed.overlay, cloud, cell, found)
     rows = (
         (

@@ -1,18 +1,15 @@
 """`workbench plan`: a proven plan in a file, or why there is none."""
 
-import math
 import time
 from pathlib import Path
 
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
 from workbench.app.empty_hand.stirring import plan_stir
 from workbench.app.empty_hand.view_plan import plan_view
-from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.row import check_picks, plan_row
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
-from workbench.cli.loading import loading
 from workbench.cli.picking.results import (
     candidate_form,
     plan_form,
@@ -41,7 +38,6 @@ from workbench.model.derived.by_view import by_each_view
 from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.recipes.recipe import NO_RECIPE
 from workbench.model.robot import HOME
@@ -107,8 +103,6 @@ def _plan_picks(typed: arguments.PlanArguments, poses: Path) -> int:
         return _plan_stir(typed, cell, detections)
     with progress("plan") as report:
         make_ready(report, ("planning",))
-        report(0.0, "getting ready")
-        warm_up(cell)
         around = around_in(cell, typed.scan, detections)
         ready, began = seconds_since_start(), time.perf_counter()
         result = plan_row(
@@ -162,18 +156,6 @@ def _finish(
 def _file_of(out: Path, number: int) -> Path:
     """The file of a plan of a row: `plan.json`, `plan-2.json`, ..."""
     return out.with_name(f"{out.stem}-{number}{out.suffix}")
-
-
-def warm_up(cell: Cell) -> None:
-    """Plan once for a part in the middle of the bin, and forget it.
-
-    Compiled kernels are loaded and shapes are prepared when they are first used.  A program
-    that goes on has that behind it at its second plan; here it would be counted as planning.
-    """
-    height = float(cell.bin.size[2]) / 2
-    T_world_part = cell.bin.T_world_bin * pose_from_rpy((0, 0, height), (0, math.pi / 2, 0))
-    with loading():
-        plan_pick(cell, (Detection(cell.parts[0].name, T_world_part),), "warm-up")
 
 
 def cell_of(plan: Plan, name: str | None) -> Cell:
@@ -290,7 +272,7 @@ def _print_words(
         print(f"nothing in a row after that: {result.row_ends}")
     for other in result.beside:
         print(f"beside it: {_beside_words(other)}")
-    print(f"start {milliseconds(ready)} ms: interpreter, libraries, cell, compiled kernels")
+    print(f"start {milliseconds(ready)} ms: interpreter, libraries, cell")
     print(f"planning {milliseconds(planning)} ms: {stages_words(result.seconds)}")
 
 

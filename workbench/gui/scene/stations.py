@@ -7,8 +7,8 @@ import pinocchio as pin
 import viser
 
 from workbench.app.core.state import Phase
-from workbench.app.picking.facts import stands_on_station
 from workbench.app.picking.pallets import at_rest
+from workbench.app.picking.stations import stands_on_station
 from workbench.gui.scene.contacts import add_body
 from workbench.gui.scene.marks import add_lines
 from workbench.gui.scene.robot import place

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.picking.facts import stands_on_station
+from workbench.app.picking.stations import stands_on_station
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.by_tcp import by_plan, by_taking, from_current_tcp
 from workbench.model.derived.row_parts import parts_taken

@@ -234,12 +234,13 @@ def _fit(rows: Floats, values: Floats, tilts: Floats, gate: float, linear: int) 
     """
     if len(values) < 10 * linear:
         return None
+    values = np.ascontiguousarray(values)
     step = max(1, -(-len(values) // MOST_SEARCHED))
     offsets = np.arange(-FARTHEST, FARTHEST + 1e-9, OFFSET_STEP)
     count = round(STEEPEST / TILT_STEP)
     steps = np.arange(-count, count + 1) / count
     best = _search(
-        np.ascontiguousarray(rows[::step, :linear]), values[::step], offsets,
+        np.ascontiguousarray(rows[::step, :linear]), values[::step].copy(), offsets,
         steps * tilts[0], steps * tilts[1], gate,
     )  # fmt: skip
     found = np.zeros(rows.shape[1])

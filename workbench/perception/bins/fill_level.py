@@ -6,7 +6,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.spatial import ConvexHull
 
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Cell
@@ -67,6 +66,8 @@ def parts_in_words(cell: Cell, check: BinCheck, found: Sequence[Detection]) -> M
 @lru_cache(maxsize=64)
 def _room(part: Part) -> float:
     """The volume [m3] of a part's convex hull."""
+    from scipy.spatial import ConvexHull  # takes a while, and planning asks for no hulls
+
     return float(ConvexHull(part.mesh.points).volume)
 
 

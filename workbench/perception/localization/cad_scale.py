@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import binary_erosion
 
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, frozen
 from workbench.model.scan import Objection, ScaleCheck
 from workbench.perception.localization.assessment import refine_at_full_resolution
 from workbench.perception.localization.choice import enough
@@ -155,9 +155,9 @@ def _pair(
 ) -> _Pairs:
     """The pixels that a part of another size explains at `T` (4, 4), but those at its rim."""
     seen, middle = depth_map.seen, surface.middle
-    drawn = np.ascontiguousarray(middle + scale * (surface.vertices - middle))
+    drawn = frozen(middle + scale * (surface.vertices - middle))
     drawing = Drawing(seen, drawn, surface.triangles, surface.is_closed, tolerance)
-    first_v, first_u, shown, hit, normals = predicted(drawing, np.ascontiguousarray(T))
+    first_v, first_u, shown, hit, normals = predicted(drawing, np.array(T, order="C"))
     j, i = np.nonzero(binary_erosion(np.isfinite(shown), iterations=RIM))
     v, u = first_v + j, first_u + i
     n, rays, depth = normals[hit[j, i]], seen.rays[v, u], seen.depth[v, u]

@@ -95,7 +95,7 @@ def are_in_bin(
     distances = np.sum((points - surface.middle) ** 2, axis=1)
     return _are_in_bin(
         np.ascontiguousarray(T_scanner_bin.inverse().homogeneous),
-        np.ascontiguousarray(poses),
+        np.array(poses, order="C"),
         points[np.argsort(-distances, kind="stable")],
         bin.size,
         seen.floor,

@@ -42,7 +42,7 @@ def measure_slope(
     it = drawing(depth_map, surface, tolerance)
     squares = products = 0.0
     for pose, sighting in placed:
-        first_v, first_u, shown, hit, normals = predicted(it, np.ascontiguousarray(pose))
+        first_v, first_u, shown, hit, normals = predicted(it, np.array(pose, order="C"))
         v, u = np.divmod(sighting.explained, depth_map.depth.shape[1])
         inside = np.zeros(shown.shape, np.bool_)
         inside[v - first_v, u - first_u] = True

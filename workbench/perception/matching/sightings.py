@@ -109,7 +109,7 @@ def look(depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: flo
         tolerance: [m] how far from the predicted surface a measured point may lie.
     """
     pixels, states, off, is_rim = _look(
-        drawing(depth_map, surface, tolerance), np.ascontiguousarray(pose), depth_map.mixed
+        drawing(depth_map, surface, tolerance), np.array(pose, order="C"), depth_map.mixed
     )
     explained, violated, hidden = (states == k for k in (EXPLAINED, VIOLATED, HIDDEN))
     return Sighting(
@@ -128,7 +128,7 @@ def tally(depth_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: f
     Columns are `EXPLAINED`, `VIOLATED`, `HIDDEN` [px], and `SQUARES`, the sum of the squares
     of the distances of the explained points over the tolerance.
     """
-    return _tally(drawing(depth_map, surface, tolerance), np.ascontiguousarray(poses))
+    return _tally(drawing(depth_map, surface, tolerance), np.array(poses, order="C"))
 
 
 def pull(
@@ -144,7 +144,7 @@ def pull(
     """
     centre = transformed(pose, surface.middle)
     it = drawing(depth_map, surface, tolerance)
-    return pulled(it, np.ascontiguousarray(pose), centre, surface.diameter / 2)
+    return pulled(it, np.array(pose, order="C"), centre, surface.diameter / 2)
 
 
 def gains(tallies: Floats) -> Floats:

@@ -9,7 +9,6 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Mesh, outwards
 from workbench.model.part import Part
 from workbench.model.scan import LocalizationResult
-from workbench.perception.views.surfaces import triangles_of
 
 LEVEL = 0.05
 """See `outwards`: these meshes are exact."""
@@ -46,6 +45,9 @@ def grown(part: Part, by: float) -> Part:
     """
     if by == 0.0:
         return part
+    # Brings Open3D along, which takes longer to load than to read a cell.
+    from workbench.perception.views.surfaces import triangles_of
+
     mesh = triangles_of(part.mesh)
     mesh.merge_vertices()
     triangles = np.asarray(mesh.faces)

@@ -74,9 +74,8 @@ def overlay(scan: Scan, parts: Sequence[tuple[trimesh.Trimesh, Floats]]) -> Part
     for k, (mesh, pose) in enumerate(parts):
         colours[k] = TINTS[k % len(TINTS)]
         v, u, depth, _, _ = rendered(
-            np.ascontiguousarray(pose), np.asarray(mesh.vertices, float),
-            np.asarray(mesh.faces, np.int64), bool(mesh.is_watertight), rays, large.focal,
-            column, row,
+            np.array(pose, order="C"), frozen(mesh.vertices), frozen(mesh.faces, np.int64),
+            bool(mesh.is_watertight), rays, large.focal, column, row,
         )  # fmt: skip
         drawn = np.isfinite(depth)
         if not drawn.any():

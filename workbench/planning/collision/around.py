@@ -118,8 +118,12 @@ def which_fit(hands: Hands, pieces: int, places: Places, margin: float, around: 
     R, c, W = _scratch(around)
     fits = np.empty(len(hands.turn), np.bool_)
     last = np.full(2, -1)
+    # For a literal 0 or False numba would compile `_first_met` once more.
+    place = np.zeros(1, np.int64)
     for w in range(len(fits)):
-        _, code = _first_met(hands, w, 0, pieces, places, margin, around, False, last, R, c, W)
+        _, code = _first_met(
+            hands, w, place[0], pieces, places, margin, around, w < 0, last, R, c, W
+        )
         fits[w] = code == NOTHING
     return fits
 

@@ -152,7 +152,8 @@ class PartWays:
             return None  # it is still coming off
         far = steps_along(self._release, most)
         places = T.translation + far[:, None] * way / most
-        k, code = first_contact(np.array(T.rotation), places, 0.0, number, self._margin, around)
+        R = np.array(T.rotation, order="C")
+        k, code = first_contact(R, places, 0.0, number, self._margin, around)
         return None if k < 0 else (self._label(code), float(far[k]))
 
     def gain(self, number: int, way: Floats) -> float:
@@ -245,7 +246,8 @@ class PartWays:
             return None
         counts = (around.owner < 0) & ~self._still.bases_of(number)
         fixed = around._replace(owner=np.where(counts, around.owner, number))
-        R, p = np.array(T_world_part.rotation), np.array(T_world_part.translation)[None]
+        R = np.array(T_world_part.rotation, order="C")
+        p = np.array(T_world_part.translation)[None]
         _, code = first_contact(R, p, 0.0, number, margin, fixed)
         return None if code == NOTHING else self._label(code)
 

@@ -311,7 +311,8 @@ def _nearest_of(
         d = _apart(q, point)
         if d < distance[0] or (d == distance[0] and numbers[t] < triangle[0]):
             distance[0], triangle[0] = d, numbers[t]
-            found[:] = q
+            for i in range(3):
+                found[i] = q[i]
 
 
 @njit(cache=True)

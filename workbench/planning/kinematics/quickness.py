@@ -173,7 +173,9 @@ def _draw(
             seconds = _seconds(answers[k], stops, velocity, acceleration)
             is_there = residuals[k, 0] < POSITION_TOLERANCE and residuals[k, 1] < ROTATION_TOLERANCE
             if is_there and seconds < least[k] - LEAST:
-                best[k], least[k] = answers[k], seconds
+                for i in range(n):
+                    best[k, i] = answers[k, i]
+                least[k] = seconds
                 steps[k] *= LONGER
             else:
                 steps[k] *= SHORTER

@@ -74,6 +74,13 @@ def look_up(a: Floats, b: Floats, edges: Edges, answers: RecordedAnswers) -> int
     return answer
 
 
+@njit(cache=True)
+def write_row(path: Floats, row: int, q: Floats) -> None:
+    """Write q (n,) [rad] into a path (m, n): numba takes seconds to compile `path[row] = q`."""
+    for i in range(len(q)):
+        path[row, i] = q[i]
+
+
 def asking(
     compiled: Callable[[Edges, RecordedAnswers], Floats], is_clear: EdgeCheck, count: int, most: int
 ) -> Floats:

@@ -9,7 +9,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges
-from workbench.planning.planners.asking import RecordedAnswers, asking, look_up
+from workbench.planning.planners.asking import RecordedAnswers, asking, look_up, write_row
 from workbench.plugins.planner import EdgeCheck
 
 STEPS = (0.3, 0.1)
@@ -65,6 +65,16 @@ def _seconds(a: Floats, c: Floats, b: Floats, v: Floats, acc: Floats, zone: floa
 
 
 @njit(cache=True)
+def _leave_out(path: Floats, k: int) -> Floats:
+    """The path (m, n) without its waypoint `k`."""
+    kept = np.empty((len(path) - 1, path.shape[1]))
+    for row in range(len(kept)):
+        write_row(kept, row, path[row if row < k else row + 1])
+    return kept
+
+
+# Part of `_ease`: otherwise all that answers its questions is compiled once more.
+@njit(cache=True, inline="always")
 def _is_open(
     a: Floats, c: Floats, b: Floats, zone: float, edges: Edges, answers: RecordedAnswers, last: Ints
 ) -> int:
@@ -103,7 +113,7 @@ def _ease(
             if answer == ASK:
                 return path[:0].copy()
             if answer == CLEAR:
-                path = np.concatenate((path[:k], path[k + 1 :]))
+                path = _leave_out(path, k)
                 continue
             least = _seconds(a, c, b, v, acc, zone)
             for trial in range(len(PULLS) + 2 * joints * len(STEPS)):
@@ -124,7 +134,7 @@ def _ease(
                     return path[:0].copy()
                 if answer == CLEAR:
                     c, least = moved, seconds
-            path[k] = c
+            write_row(path, k, c)
             k += 1
         if len(path) == len(before) and np.all(path == before):
             break  # the next round would ask the same

@@ -5,7 +5,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats
 from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges
-from workbench.planning.planners.asking import RecordedAnswers, asking, look_up
+from workbench.planning.planners.asking import RecordedAnswers, asking, look_up, write_row
 from workbench.plugins.planner import EdgeCheck
 
 CUTS = (0.8, 0.5, 0.25)
@@ -16,6 +16,9 @@ TINY = np.deg2rad(2.0)
 
 ROUNDS = 2
 """How often all corners are cut: each cut leaves two flatter ones."""
+
+NO_CUTS = -1
+"""As the most waypoints: the path is not cut, only skipped along."""
 
 
 def shorten_path(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
@@ -36,7 +39,10 @@ def skip_waypoints(path: Floats, is_clear: EdgeCheck) -> Floats:
     """The same path (m, n) [rad], from each kept waypoint straight on to the furthest possible."""
     count, joints = path.shape
     return asking(
-        lambda edges, answers: _skip(path, edges, answers), is_clear, joints, count * count
+        lambda edges, answers: _shorten(path, NO_CUTS, edges, answers),
+        is_clear,
+        joints,
+        count * count,
     )
 
 
@@ -49,12 +55,13 @@ def _shorten(path: Floats, most: int, edges: Edges, answers: RecordedAnswers) ->
     return path
 
 
-@njit(cache=True)
+# Part of `_shorten`: otherwise all that answers its questions is compiled once more.
+@njit(cache=True, inline="always")
 def _cut(path: Floats, edges: Edges, answers: RecordedAnswers) -> Floats:
     """Every corner cut off as widely as `CUTS` allow; nothing where an answer is missing."""
     last = len(path) - 1
     kept = np.empty((2 * len(path), path.shape[1]))
-    kept[0] = path[0]
+    write_row(kept, 0, path[0])
     count = 1
     for k in range(1, last):
         start, corner, after = path[k - 1], path[k], path[k + 1]
@@ -67,22 +74,24 @@ def _cut(path: Floats, edges: Edges, answers: RecordedAnswers) -> Floats:
             if answer == ASK:
                 return path[:0].copy()
             if answer == CLEAR:
-                kept[count], kept[count + 1] = enter, leave
+                write_row(kept, count, enter)
+                write_row(kept, count + 1, leave)
                 count += 2
                 is_cut = True
                 break
         if not is_cut:
-            kept[count] = corner
+            write_row(kept, count, corner)
             count += 1
-    kept[count] = path[last]
+    write_row(kept, count, path[last])
     return kept[: count + 1].copy()
 
 
-@njit(cache=True)
+# As `_cut`.
+@njit(cache=True, inline="always")
 def _skip(path: Floats, edges: Edges, answers: RecordedAnswers) -> Floats:
     """From each kept waypoint on to the furthest one that can be reached straight."""
     kept = np.empty_like(path)
-    kept[0] = path[0]
+    write_row(kept, 0, path[0])
     count, at = 1, 0
     while at < len(path) - 1:
         onward = len(path) - 1
@@ -93,7 +102,7 @@ def _skip(path: Floats, edges: Edges, answers: RecordedAnswers) -> Floats:
             if answer == CLEAR:
                 break
             onward -= 1
-        kept[count] = path[onward]
+        write_row(kept, count, path[onward])
         count += 1
         at = onward
     return kept[:count].copy()

@@ -353,17 +353,19 @@ def _towards(
     Ra: Floats, Rb: Floats, first: int, second: int, way: Floats, axis: Floats
 ) -> None:  # pragma: no cover (compiled)
     """Write the unit vector along one axis of both, or across two, from the one to the other."""
-    if second == 3:
-        axis[:] = Ra[:, first]
-    elif first == 3:
-        axis[:] = Rb[:, second]
-    else:
-        for i in range(3):
-            u, v = (i + 1) % 3, (i + 2) % 3
+    for i in range(3):
+        u, v = (i + 1) % 3, (i + 2) % 3
+        if second == 3:
+            axis[i] = Ra[i, first]
+        elif first == 3:
+            axis[i] = Rb[i, second]
+        else:
             axis[i] = Ra[u, first] * Rb[v, second] - Ra[v, first] * Rb[u, second]
     along, square = 0.0, 0.0
     for i in range(3):
         square += axis[i] * axis[i]
         for m in range(3):
             along += axis[m] * Ra[m, i] * way[i]
-    axis *= (1.0 if along > 0.0 else -1.0) / np.sqrt(square)
+    factor = (1.0 if along > 0.0 else -1.0) / np.sqrt(square)
+    for i in range(3):
+        axis[i] *= factor

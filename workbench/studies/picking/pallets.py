@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.picking.facts import put_down
 from workbench.app.picking.pallets import at_rest, boxes_around, pallets_of
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.stations import put_down
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError

@@ -42,7 +42,8 @@ class Edges(NamedTuple):
     scratch: Scratch
 
 
-@njit(cache=True)
+# Part of what calls it: otherwise all of `curve_swept` is compiled once more.
+@njit(cache=True, inline="always")
 def edge_answer(a: Floats, b: Floats, edges: Edges) -> int:
     """`CLEAR`, `BLOCKED` or `ASK` for the straight motion from a to b (n,) [rad]."""
     pending = edges.scratch.pending

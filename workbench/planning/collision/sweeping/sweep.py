@@ -91,7 +91,8 @@ def _narrow(points: Floats, first: int) -> int:
     return len(points)
 
 
-@njit(cache=True)
+# Part of `sweep_chain`: otherwise all of `look_at` is compiled once more.
+@njit(cache=True, inline="always")
 def _is_box_clear(
     points: Floats,
     first: int,
