@@ -1,5 +1,6 @@
 """What lets a plan out to the robot, and what came back."""
 
+import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -113,6 +114,29 @@ class Approval:
         if self.is_switched_off:
             return ()
         return (*(vote.actor for vote in self.before), self.actor)
+
+
+class PickResult(enum.StrEnum):
+    """What became of a part that was sent for.
+
+    `PICKED`: it came to its place; `FAILED`: the hand held nothing; `DROPPED`: it was lost on the
+    way, and may lie anywhere; `DOUBLE`: it came to its place, and a second part with it.
+    """
+
+    PICKED = "picked"
+    FAILED = "failed"
+    DROPPED = "dropped"
+    DOUBLE = "double"
+
+    @property
+    def is_picked(self) -> bool:
+        """Whether the part counts as placed."""
+        return self in (PickResult.PICKED, PickResult.DOUBLE)
+
+
+def result_of(is_picked: bool, result: PickResult | None) -> PickResult:
+    """The stated result; without one what `is_picked` alone says."""
+    return result or (PickResult.PICKED if is_picked else PickResult.FAILED)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,6 +5,7 @@ import enum
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
+from workbench.app.core.picks import Avoided, Outcome, SentFor
 from workbench.app.provenance.inventory import Inventory
 from workbench.model.calibration import SPACING_LIMIT, BallScan, PlateObservation, Touch
 from workbench.model.candidate import Candidate, Verdict
@@ -86,43 +87,6 @@ class Outline:
     seed: int = 0
     overrides: PlanOverrides = field(default_factory=PlanOverrides)
     plans: int = 1
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Outcome:
-    """What became of a part of the plan, and who says so; `detection` is its index there."""
-
-    detection: int
-    is_picked: bool
-    by: str
-    why: Message | str = ""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Avoided:
-    """Where a pick has failed: a part of that kind there is left alone for a while.
-
-    `p_bin` (3,) [m] in the frame of the bin of name `bin`; it ends at `until` [s since the epoch],
-    or earlier, when `scans` more scans of that bin were taken.
-    """
-
-    part: str
-    p_bin: tuple[float, float, float]
-    until: float
-    scans: int
-    why: Message | str = ""
-    bin: str = field(default_factory=str, metadata=LATER)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SentFor:
-    """The plans that were sent, in order, and what people and grippers said of their parts.
-
-    Each outcome names its part by the index in the first plan.
-    """
-
-    plans: tuple[Plan, ...]
-    outcomes: tuple[Outcome, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -76,6 +76,8 @@ class StateText(Text, subject="state"):
     FAULT_ACKNOWLEDGED = "fault acknowledged by {person}; take a new scan"
     PICKED = "{person} reports: {part} was picked"
     PICK_FAILED = "{person} reports: {part} failed"
+    PART_DROPPED = "{person} reports: {part} was dropped; it may lie anywhere, so look and scan"
+    TWO_PARTS = "{person} reports: a second part came with {part}; take it out of its place"
     SINCE = "{what}: {why}"
     NOTHING_AVOIDED = "no part is avoided now"
     MAKING_PART = "importing part {part} from {file}"
@@ -154,6 +156,7 @@ class RowStop(Text, subject="row-stop"):
     NOT_PICKED = "the {arm} arm has not reported its part as picked"
     NOT_PICKED_SINCE = "the {arm} arm has not reported its part as picked: {why}"
     PERSON_SAYS = "{person} reports: {part} was not picked"
+    TWO_PARTS = "{person} reports: a second part came with {part}"
     NOT_APPROVED = "the next plan is not approved"
     NO_JOINTS = "the controller does not report where the robot stands"
 

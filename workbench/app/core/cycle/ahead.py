@@ -30,7 +30,7 @@ from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import AheadText, RowStop, StateText
-from workbench.model.release import PartReport
+from workbench.model.release import PartReport, PickResult
 from workbench.model.scan import Detection
 
 Ended = tuple[State, tuple[StartJob | StopJob, ...]]
@@ -160,7 +160,9 @@ def _has_failed(state: State) -> bool:
     """Whether a pick has failed, as far as the robot or people have said."""
     reports = (receipt.part for receipt in state.receipts if receipt.part is not None)
     has_failed_part = any(part.is_picked is False for part in (*reports, *state.part_reports))
-    return has_failed_part or any(not outcome.is_picked for outcome in state.outcomes)
+    return has_failed_part or any(
+        outcome.became is not PickResult.PICKED for outcome in state.outcomes
+    )
 
 
 def _as_if_ended(state: State, at: float) -> State:
