@@ -247,6 +247,7 @@ class Policy:
     heap, of which a plan takes but one; 0: any two.  `picks`: plans in a row after one scan.
     `tcp_speed`, `point_speed`, `held_speed` [m/s], `manual_speed`, `contact_energy` [J]:
     limits (`derived.speed_limits`).  `as_needed`: else by `derived.policies.widened`.
+    `retry_without_scan`: after a missed grip the next cycle plans for what is left.
     """
 
     margin: float = 0.005
@@ -277,6 +278,7 @@ class Policy:
     manual_speed: bool = field(default_factory=bool, metadata=LATER)
     contact_energy: float | None = field(default_factory=lambda: None, metadata=LATER)
     as_needed: bool = field(default_factory=lambda: True, metadata=LATER)
+    retry_without_scan: bool = field(default_factory=bool, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

@@ -144,13 +144,15 @@ class PartReport:
     """What became of one part, as the gripper's signal has it.
 
     `detection` is an index into the plan's list.  `is_picked` is None while nobody knows: the
-    cycle broke off before the hand let go, or the protocol reports no parts.
+    cycle broke off before the hand let go, or the protocol reports no parts.  `is_missed`: the grip
+    closed on nothing, so that the hand never held it.
     """
 
     arm: str
     detection: int
     is_picked: bool | None
     why: Message | str = ""
+    is_missed: bool = field(default_factory=bool, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,11 +1,12 @@
-"""What was sent, what became of each part, and which parts are avoided after that."""
+"""What was sent, how that has ended, what became of each part, and which parts are avoided."""
 
 from dataclasses import dataclass, field
 
 from workbench.model.digest import LATER
 from workbench.model.messages.message import Message
 from workbench.model.plan import Plan
-from workbench.model.release import PickResult, result_of
+from workbench.model.release import PartReport, PickResult, result_of
+from workbench.model.scan import Detection
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,3 +53,21 @@ class SentFor:
 
     plans: tuple[Plan, ...]
     outcomes: tuple[Outcome, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SendingEnd:
+    """How a sending has ended.  `fault` is empty when the controller reported the end.
+
+    `parts` says of each part of the plan what the controller told of it; `placed` are the parts
+    that lie on pallets now, or may lie there, None as long as nobody has worked that out.
+    `row_ends` says why no plan of a row may follow, as the link or the bench knows it.
+    `may_have_moved` as in `State`, None as long as nobody has worked that out.
+    """
+
+    fault: Message | str = ""
+    parts_placed: int = 0
+    parts: tuple[PartReport, ...] = ()
+    placed: tuple[Detection, ...] | None = None
+    row_ends: Message | str = field(default_factory=str, metadata=LATER)
+    may_have_moved: tuple[int, ...] | None = field(default_factory=lambda: None, metadata=LATER)

@@ -176,10 +176,14 @@ class SessionState:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class ScanState(SessionState):
-    """What a new scan makes void: the scan and the searches in it, the latest last."""
+    """What a new scan makes void: the scan and the searches in it, the latest last.
+
+    `disturbed` are parts of the scan that a missed grip may have moved.
+    """
 
     scan: Scan | None = None
     searches: tuple[SearchRecord, ...] = ()
+    disturbed: tuple[Detection, ...] = field(default_factory=tuple, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -254,6 +258,8 @@ class RunState(ReleaseState):
     whole row.
     `stopped_by` names who has stopped the sending: nothing of the row follows.
     `ahead` is what is worked on for the next cycle meanwhile; no plan of it is here before the end.
+    `may_have_moved`: after a missed grip the parts, by their indices in the plan's list, that may
+    lie otherwise now; None where only a new scan can tell.
     """
 
     receipts: tuple[Receipt, ...] = ()
@@ -266,6 +272,7 @@ class RunState(ReleaseState):
     sent_before: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
     stopped_by: str = field(default_factory=str, metadata=LATER)
     ahead: Ahead | None = field(default_factory=lambda: None, metadata=LATER)
+    may_have_moved: tuple[int, ...] | None = field(default_factory=lambda: None, metadata=LATER)
 
     @property
     def whole_row(self) -> tuple[Proven, ...]:

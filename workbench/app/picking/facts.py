@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from workbench.app.core.after_a_miss import is_sure
 from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.ahead import GoOn
@@ -27,6 +28,7 @@ from workbench.perception.bins.bin_check import check_bin
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.planning.placing.assembling import placing_error
 from workbench.plugins.planner import planner_named
+from workbench.proof.claims.moved import moved_parts
 from workbench.proof.claims.places.standing import standing_after
 from workbench.proof.claims.spot import Spot, spot_of
 from workbench.proof.engine.robot import tree_of
@@ -66,8 +68,14 @@ def with_facts(state: State, command: Command) -> Command:
         state: before the command.
         command: as it came, or as it was recorded before facts were.
     """
-    if isinstance(command, LinkEnded) and command.placed is None and state.plan is not None:
-        return replace(command, placed=put_down(state.cell, state.plan))
+    if isinstance(command, LinkEnded) and state.plan is not None:
+        if command.placed is None:
+            command = replace(command, placed=put_down(state.cell, state.plan))
+        if command.may_have_moved is None and is_sure(state, command):
+            grasped = [arm.detection for arm in state.plan.picks]
+            moved = moved_parts(state.cell, state.plan.detections, grasped)
+            command = replace(command, may_have_moved=moved and tuple(sorted(moved)))
+        return command
     if isinstance(command, GoOn) and state.phase is Phase.SENDING and command.sees_from is None:
         last = state.plans[-1]
         placed = put_down(state.cell, last)

@@ -131,6 +131,9 @@ GROUPS: Mapping[str, Callable[[CycleRecord, PickRecord], str]] = {
 """What success is reported by."""
 
 
+WITHOUT_SCAN = {UseDetections.__name__, MakePlan.__name__}
+"""A cycle begins with poses from outside, or with a plan in the scan of a cycle that has ended."""
+
 OF_A_PLAN = {SendPlan.__name__, LinkEnded.__name__}
 """Entries that are about the plan that was made last."""
 
@@ -186,9 +189,10 @@ class Count:
             self._follows()
         if kind == JobEnded.__name__ and body["after"]["job"] == number:
             # What that task brought was taken without a person; a corrected part is searched again.
-            is_corrected = "part" in body["command"]["result"]
-            follows = "find parts" if is_corrected else STAGES[STAGES.index(stage) + 1]
-            self._begun = (follows, at, number)
+            result = body["command"]["result"]
+            follows = "find parts" if "part" in result else STAGES[STAGES.index(stage) + 1]
+            # Where no plan was made, a scan follows.
+            self._begun = ("scan" if "plan" in result else follows, at, number)
 
     @property
     def value(self) -> Statistics:
@@ -215,8 +219,7 @@ class Count:
             self._begun = ("scan", at, number)
             return
         is_sent = bool(self._cycles) and self._cycles[-1].end in ("done", "fault")
-        if not self._cycles or (is_sent and kind == UseDetections.__name__):
-            # Poses from outside, without a scan.
+        if not self._cycles or (is_sent and kind in WITHOUT_SCAN):
             self._cycles.append(CycleRecord(number, at, at))
         match kind:
             case FindParts.__name__ if command.get("is_compared"):
@@ -247,7 +250,8 @@ class Count:
         self._begun = NOTHING_BEGUN
         if "error" in result:
             return
-        self._took(stage, began, at)
+        # After a missed grip the next cycle begins with its plan.
+        self._took("plan" if "plan" in result else stage, began, at)
         if "detections" in result:
             self._count_found(result["detections"])
         if "plan" in result:
@@ -312,6 +316,12 @@ class Count:
                 for pick in picks
             )
         self._change(end="fault" if command["fault"] else "done", picks=picks, until=at)
+        moved = command.get("may_have_moved")
+        if moved is not None:
+            gone = {*moved, *(part["detection"] for part in command["parts"])}
+            numbers = self._numbers[self._place]
+            rest = [number for place, number in enumerate(numbers) if place not in gone]
+            self._count_found([self._found[number] for number in rest])
 
     def _follows(self) -> None:
         """The next plan of the row is on its way, in the same cycle."""

@@ -341,6 +341,7 @@ def _policy(table: Table) -> tuple[Policy, int]:
         least_air=air if table.has("least_air_mm") else usual.least_air,
         picks=table.whole("picks", usual.picks, low=1, high=MOST_PICKS),
         manual_speed=table.flag("manual_speed", False),
+        retry_without_scan=table.flag("retry_without_scan", False),
         contact_energy=energy if table.has("contact_energy_j") else None,
         **{key: _speed(table, f"{key}_mm") for key in SPEED_KEYS},
     )

@@ -160,6 +160,8 @@ def _policy(cell: Cell) -> Iterator[str]:
             yield f"{key}_mm = {number(speed * 1000)}"
     if policy.manual_speed:
         yield "manual_speed = true"
+    if policy.retry_without_scan:
+        yield "retry_without_scan = true"
     if policy.contact_energy is not None:
         yield f"contact_energy_j = {number(policy.contact_energy)}"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"

@@ -71,6 +71,10 @@ class StateText(Text, subject="state"):
     CYCLE_FINISHED = "cycle finished, {count} of {total} {total:part|parts} reported placed"
     REACHED_HOME = "the {arm} arm stands at home; go to the view before the next scan"
     REACHED_VIEW = "the {arm} arm stands at view {view}: scan"
+    REST_KNOWN = (
+        "the grip closed on nothing; {count} {count:part is|parts are} left in this scan "
+        "to plan for"
+    )
     ARM_FAILED = "{arm} arm failed: {why}"
     FAULT_WHILE_SENDING = "fault while sending: {fault}"
     FAULT_ACKNOWLEDGED = "fault acknowledged by {person}; take a new scan"

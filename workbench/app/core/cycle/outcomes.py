@@ -8,7 +8,7 @@ from typing import ClassVar
 from workbench.app.core.cell.kits import lacks_message, with_kit_part, without_kit_part
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.people import ROBOT_LINK
-from workbench.app.core.picks import Avoided, Outcome
+from workbench.app.core.picks import Avoided, Outcome, SendingEnd
 from workbench.app.core.state import (
     Phase,
     ScanState,
@@ -40,7 +40,6 @@ AVOID_SCANS = 3
 
 AVOID_MINUTES = 10.0
 
-
 SAME_PLACE = 0.015
 """[m] A part found this near to where a pick has failed is taken for the same one."""
 
@@ -55,22 +54,6 @@ SAID: Mapping[PickResult, StateText] = {
     PickResult.DROPPED: StateText.PART_DROPPED,
     PickResult.DOUBLE: StateText.TWO_PARTS,
 }
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SendingEnd:
-    """How a sending has ended.  `fault` is empty when the controller reported the end.
-
-    `parts` says of each part of the plan what the controller told of it; `placed` are the parts
-    that lie on pallets now, or may lie there, None as long as nobody has worked that out.
-    `row_ends` says why no plan of a row may follow, as the link or the bench knows it.
-    """
-
-    fault: Message | str = ""
-    parts_placed: int = 0
-    parts: tuple[PartReport, ...] = ()
-    placed: tuple[Detection, ...] | None = None
-    row_ends: Message | str = field(default_factory=str, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

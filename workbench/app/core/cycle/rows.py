@@ -5,9 +5,9 @@ from typing import ClassVar
 
 from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.approval import explain_unwalked, staleness
-from workbench.app.core.cycle.outcomes import SendingEnd
 from workbench.app.core.cycle.standing import left_on_station, stale_because
 from workbench.app.core.effects import Send
+from workbench.app.core.picks import SendingEnd
 from workbench.app.core.state import Phase, State, without_approval
 from workbench.app.core.value_checks import check_integer, named_plan
 from workbench.model.cell import MOST_PICKS
