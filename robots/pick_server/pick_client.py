@@ -150,7 +150,7 @@ def carry_out(asker, robot, plan):
             if holds:
                 asker.ask("picked")
             else:
-                asker.ask("failed", "empty")
+                asker.ask("failed", "missed")
 
 
 def main(host, port, *home, cycles=0):

@@ -40,7 +40,7 @@ def parts_are_picked_and_lost(stage):
     )
     assert talk.until("done").rest == "04"
     parts = sorted(frame.rest for frame in talk.others if frame.word == "part")
-    assert parts == ["L failed closed to 0.0 mm where 30.0 mm were expected", "R picked"]
+    assert parts == ["L missed closed to 0.0 mm where 30.0 mm were expected", "R picked"]
     talk.link.close()
 
 

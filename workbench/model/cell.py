@@ -246,8 +246,8 @@ class Policy:
     much left on each side; None: as it says.  `pair_gap` [m]: parts nearer to each other are of one
     heap, of which a plan takes but one; 0: any two.  `picks`: plans in a row after one scan.
     `tcp_speed`, `point_speed`, `held_speed` [m/s], `manual_speed`, `contact_energy` [J]:
-    limits (`derived.speed_limits`).  `as_needed`: else by `derived.policies.widened`.  `stirs`: in
-    a row, where nothing can be taken, at `stir_speed` [m/s].
+    limits (`derived.speed_limits`).  `as_needed`: else by `derived.policies.widened`.  `stirs` in a
+    row, at `stir_speed` [m/s], where nothing can be taken.  `retry_without_scan` after a miss.
     """
 
     margin: float = 0.005
@@ -280,6 +280,7 @@ class Policy:
     as_needed: bool = field(default_factory=lambda: True, metadata=LATER)
     stirs: int = field(default_factory=int, metadata=LATER)
     stir_speed: float = field(default_factory=lambda: 0.1, metadata=LATER)
+    retry_without_scan: bool = field(default_factory=bool, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

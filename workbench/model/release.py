@@ -1,5 +1,6 @@
 """What lets a plan out to the robot, and what came back."""
 
+import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -115,18 +116,43 @@ class Approval:
         return (*(vote.actor for vote in self.before), self.actor)
 
 
+class PickResult(enum.StrEnum):
+    """What became of a part that was sent for.
+
+    `PICKED`: it came to its place; `FAILED`: the hand held nothing; `DROPPED`: it was lost on the
+    way, and may lie anywhere; `DOUBLE`: it came to its place, and a second part with it.
+    """
+
+    PICKED = "picked"
+    FAILED = "failed"
+    DROPPED = "dropped"
+    DOUBLE = "double"
+
+    @property
+    def is_picked(self) -> bool:
+        """Whether the part counts as placed."""
+        return self in (PickResult.PICKED, PickResult.DOUBLE)
+
+
+def result_of(is_picked: bool, result: PickResult | None) -> PickResult:
+    """The stated result; without one what `is_picked` alone says."""
+    return result or (PickResult.PICKED if is_picked else PickResult.FAILED)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PartReport:
     """What became of one part, as the gripper's signal has it.
 
     `detection` is an index into the plan's list.  `is_picked` is None while nobody knows: the
-    cycle broke off before the hand let go, or the protocol reports no parts.
+    cycle broke off before the hand let go, or the protocol reports no parts.  `is_missed`: the grip
+    closed on nothing, so that the hand never held it.
     """
 
     arm: str
     detection: int
     is_picked: bool | None
     why: Message | str = ""
+    is_missed: bool = field(default_factory=bool, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -78,7 +78,7 @@ MODULE WbPick
                 IF has_part THEN
                     ask "picked";
                 ELSE
-                    ask "failed empty";
+                    ask "failed missed";
                 ENDIF
             ENDIF
         ENDFOR

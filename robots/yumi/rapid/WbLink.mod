@@ -558,7 +558,12 @@ MODULE WbLink
         IF wb_part{arm}=WB_PICKED THEN
             say text+" picked";
         ELSE
-            text:=text+" failed closed to "+NumToStr(wb_width{arm},1);
+            IF wb_part{arm}=WB_MISSED THEN
+                text:=text+" missed";
+            ELSE
+                text:=text+" failed";
+            ENDIF
+            text:=text+" closed to "+NumToStr(wb_width{arm},1);
             say text+" mm where "+NumToStr(wb_expected{arm},1)+" mm were expected";
         ENDIF
     ENDPROC

@@ -22,6 +22,7 @@ MODULE WbMove
     TASK PERS loaddata wb_payload:=[0.001,[0,0,0.001],[1,0,0,0],0,0,0];
 
     VAR bool has_gripped:=FALSE;
+    VAR bool is_empty:=FALSE;
 
     ! Runs for ever. Begins anew when the operator sets the pointer to main.
     PROC wb_obey()
@@ -197,6 +198,7 @@ MODULE WbMove
             ENDIF
             wb_expected{my_arm}:=opening;
             wb_width{my_arm}:=2*Hand_GetActualPos();
+            is_empty:=wb_width{my_arm}<=WB_WIDTH_TOLERANCE;
         DEFAULT:
             RETURN;
         ENDTEST
@@ -205,16 +207,19 @@ MODULE WbMove
         RAISE;
     ENDPROC
 
-    ! Before the hand lets go: narrower than the part is nothing, or lost.
+    ! Before the hand lets go: narrower than the part is nothing, or lost. Missed is a hand that
+    ! has closed all the way at once.
     PROC judge_part()
         VAR num width;
 
         width:=2*Hand_GetActualPos();
         IF width<wb_width{my_arm} wb_width{my_arm}:=width;
-        IF wb_width{my_arm}<wb_expected{my_arm}-WB_WIDTH_TOLERANCE THEN
-            wb_part{my_arm}:=WB_FAILED;
-        ELSE
+        IF wb_width{my_arm}>=wb_expected{my_arm}-WB_WIDTH_TOLERANCE THEN
             wb_part{my_arm}:=WB_PICKED;
+        ELSEIF is_empty THEN
+            wb_part{my_arm}:=WB_MISSED;
+        ELSE
+            wb_part{my_arm}:=WB_FAILED;
         ENDIF
     ENDPROC
 ENDMODULE

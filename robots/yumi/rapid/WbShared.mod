@@ -64,6 +64,7 @@ MODULE WbShared
     CONST num WB_UNTOLD:=0;
     CONST num WB_PICKED:=1;
     CONST num WB_FAILED:=2;
+    CONST num WB_MISSED:=3;
     PERS num wb_step{2}:=[0,0];
     PERS num wb_at{2}:=[0,0];
     PERS num wb_part{2}:=[0,0];

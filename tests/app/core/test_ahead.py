@@ -20,7 +20,7 @@ from workbench.app.core.state import Phase
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.states import StateText
-from workbench.model.release import PartReport, Receipt
+from workbench.model.release import PartReport, PickResult, Receipt
 from workbench.model.scan import Detection
 
 PICKED, LOST = PartReport("right", 0, True), PartReport("right", 0, False, "closed to 0 mm")
@@ -202,6 +202,13 @@ def test_a_person_who_sees_a_part_fall_is_believed(sending, in_rows):
     sending.do(ReportPick(0, False, "it fell"))
     state = sending.do(GOOD_END)
     assert (state.phase, state.ahead) == (Phase.DONE, None)
+
+
+def test_what_was_scanned_ahead_is_thrown_away_after_a_double_pick(sending, in_rows):
+    worked_ahead(sending, in_rows)
+    sending.do(ReportPick(0, True, "", PickResult.DOUBLE))
+    state = sending.do(GOOD_END)
+    assert (state.phase, state.ahead, state.job) == (Phase.DONE, None, None)
 
 
 def test_it_can_be_cancelled_before_it_begins_and_while_it_runs(sending):

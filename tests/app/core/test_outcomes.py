@@ -26,7 +26,7 @@ from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.state import Phase, sent_for
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.release import PartReport
+from workbench.model.release import PartReport, PickResult
 from workbench.model.scan import Detection
 
 
@@ -208,3 +208,66 @@ def test_what_a_gripper_says_while_sending_stops_the_cycle_at_its_end(line, samp
     send(line, samples)
     assert line.do(ReportPick(0, False, "no vacuum"), "robot link").phase is Phase.SENDING
     assert line.do(LinkEnded()).phase is Phase.FAULT
+
+
+@pytest.mark.parametrize(
+    ("is_picked", "result", "said"),
+    [
+        (False, PickResult.DROPPED, "part-1 was dropped"),
+        (True, PickResult.DOUBLE, "a second part came with part-1"),
+    ],
+)
+def test_a_dropped_part_and_a_double_pick_are_reported_as_such(
+    line, samples, is_picked, result, said
+):
+    cycle(line, samples)
+    state = line.do(ReportPick(0, is_picked, "", result))
+    (outcome,) = state.outcomes
+    assert (outcome.became, outcome.is_picked) == (result, is_picked)
+    assert said in str(state.message)
+    assert "reported that already" in refused(line, ReportPick(0, is_picked, "", result))
+    (corrected,) = line.do(ReportPick(0, is_picked)).outcomes
+    assert corrected.became is (PickResult.PICKED if is_picked else PickResult.FAILED)
+
+
+@pytest.mark.parametrize("is_picked", [True, False])
+def test_a_result_that_contradicts_is_picked_is_refused(line, samples, is_picked):
+    cycle(line, samples)
+    other = PickResult.DROPPED if is_picked else PickResult.DOUBLE
+    assert "does not fit is_picked" in refused(line, ReportPick(0, is_picked, "", other))
+
+
+def test_a_dropped_part_is_avoided_as_a_failed_one_and_a_double_pick_is_not(line, samples):
+    cycle(line, samples)
+    state = line.do(ReportPick(0, False, "", PickResult.DROPPED))
+    assert (len(state.avoided), state.failures) == (1, 1)
+    state = line.do(ReportPick(0, True, "", PickResult.DOUBLE))
+    assert (len(state.avoided), state.failures) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("is_picked", "result"),
+    [(True, None), (False, None), (False, PickResult.DROPPED), (True, PickResult.DOUBLE)],
+)
+@pytest.mark.parametrize("is_sending", [True, False])
+def test_a_place_is_sure_only_when_its_part_alone_was_picked(
+    line, samples, is_picked, result, is_sending
+):
+    send(line, samples)
+    found = line.state.plan.detections[0].T_world_part
+    put = Detection("peg", pin.SE3.Identity(), T_world_found=found)
+    report = ReportPick(0, is_picked, "", result)
+    ended = LinkEnded(parts=(PartReport("right", 0, True),), parts_placed=1, placed=(put,))
+    for command in (report, ended) if is_sending else (ended, report):
+        if not (command is report and is_picked and result is None and not is_sending):
+            line.do(command)
+    (part,) = line.state.placed
+    assert (part.score > 0) == (is_picked and result is None)
+
+
+@pytest.mark.parametrize("result", [PickResult.DROPPED, PickResult.DOUBLE])
+def test_the_gripper_does_not_overrule_what_a_person_has_seen(line, samples, result):
+    send(line, samples)
+    line.do(ReportPick(0, result.is_picked, "", result), "bob")
+    state = line.do(LinkEnded(parts=(PartReport("right", 0, True),), parts_placed=1))
+    assert [(outcome.became, outcome.by) for outcome in state.outcomes] == [(result, "bob")]

@@ -19,7 +19,7 @@ from workbench.app.core.state import EditedCell, Phase
 from workbench.model.cell import PlanOverrides
 from workbench.model.messages.message import plain
 from workbench.model.messages.plans import RowEnd
-from workbench.model.release import PartReport, Receipt
+from workbench.model.release import PartReport, PickResult, Receipt
 from workbench.plugins.robot_link import controller_by
 
 HOME = {"joint_1": 0.0}
@@ -235,6 +235,14 @@ def test_a_persons_word_counts_beside_the_grippers(in_rows):
     assert line.state.phase is Phase.DONE
     assert "bob reports: part-1 was not picked" in str(line.state.message)
     assert "it takes part-1, part-2" in refused(line, ReportPick(2, True))
+
+
+def test_a_double_pick_ends_the_row(in_rows):
+    line = sending(in_rows)
+    line.do(ReportPick(0, True, "", PickResult.DOUBLE), "bob")
+    ends(line)
+    assert line.state.phase is Phase.DONE and len(sent(line)) == 1
+    assert "bob reports: a second part came with part-1" in str(line.state.message)
 
 
 def test_a_person_who_saw_the_part_fall_is_believed_when_the_gripper_tells_otherwise(in_rows):

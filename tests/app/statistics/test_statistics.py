@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import pytest
 from arm_scanner_cell import at_view, before_view, on_arm_cell, with_lower_view
-from line import Line
+from written import Written
 
-from workbench.app.core.command import Entry
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.correcting import CorrectPart
@@ -19,12 +18,11 @@ from workbench.app.core.cycle.outcomes import ReportPick
 from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
-from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.state import Phase
 from workbench.app.empty_hand.view_plan import plan_view
 from workbench.app.picking.pipeline import plan_pick
-from workbench.app.records.record import command_form, entry_record
 from workbench.app.runtime.work import scan
 from workbench.app.statistics.grasp_use import GraspUse
 from workbench.app.statistics.statistics import (
@@ -38,47 +36,9 @@ from workbench.app.statistics.statistics_table import csv_text
 from workbench.journal.journal import Row
 from workbench.model.derived.by_view import with_view
 from workbench.model.errors import JobCancelled, JournalError, LinkError
-from workbench.model.release import PartReport, Receipt
+from workbench.model.release import PartReport, PickResult
 from workbench.perception.simulation.piles import pile_of
 from workbench.plugins.progress import never, silent
-
-
-class Written(Line):
-    """A line whose entries are written as the bench writes them; each takes a second."""
-
-    def __init__(self, cell):
-        super().__init__(cell)
-        self.rows: list[Row] = []
-
-    def do(self, command, actor=""):
-        self.now += 1
-        state = super().do(command, actor)
-        entry = Entry(state.number, self.now, actor or "ada", command)
-        record = entry_record(entry, command_form(command), state)
-        files = tuple(record.files)
-        self.rows.append(Row(state.number, record.kind, record.body, files, "", ""))
-        return state
-
-    def plan(self, samples, *, is_possible=True):
-        self.do(TakeScan())
-        self.now += 1
-        self.ended(samples.scan())
-        self.do(FindParts())
-        self.now += 2
-        self.ended(samples.detections())
-        self.do(MakePlan())
-        self.now += 3
-        scene = self.state.scene_digest
-        return self.ended(samples.planned(scene) if is_possible else samples.refused())
-
-    def cycle(self, samples, end=None):
-        digest = self.plan(samples).plan.digest
-        self.do(WatchPlan(digest))
-        self.do(Approve(digest))
-        self.do(SendPlan(digest))
-        for number in range(3):
-            self.do(Sent(Receipt(self.now, "right", "in", "inR#", number + 1, 3)))
-        self.do(end or LinkEnded(parts_placed=1))
 
 
 @pytest.fixture
@@ -155,6 +115,34 @@ def test_a_person_knows_better_than_the_controller(written, samples):
     assert (rate.name, rate.picked, rate.failed, rate.share) == ("right", 0, 1, 0.0)
     written.do(ReportPick(0, True))
     assert results(statistics(written.rows)) == ["picked"]
+
+
+def test_dropped_parts_and_double_picks_are_counted_as_such(written, samples):
+    for result in PickResult:
+        written.cycle(samples, LinkEnded(parts_placed=0))
+        written.do(ReportPick(0, result.is_picked, "", result))
+    counted = statistics(written.rows)
+    assert results(counted) == list(PickResult)
+    (rate,) = counted.rates(GROUPS["part"])
+    assert dict(rate.counts) == dict.fromkeys(PickResult, 1)
+    assert (rate.known, rate.share, counted.picked) == (4, 0.25, 2)
+    assert [(taken, failed) for _, taken, failed in counted.by_hour()] == [(2, 2)]
+    (use,) = counted.grasps().values()
+    assert (use.picked, use.failed) == (1, 3)
+    table = csv.DictReader(io.StringIO(csv_text(counted)))
+    assert [row["result"] for row in table] == ["picked", "failed", "dropped", "double"]
+
+
+def test_the_gripper_does_not_overrule_a_person_in_the_statistics_either(written, samples):
+    written.cycle(samples, LinkEnded(parts_placed=0))
+    written.plan(samples)
+    digest = written.state.plan.digest
+    written.do(WatchPlan(digest))
+    written.do(Approve(digest))
+    written.do(SendPlan(digest))
+    written.do(ReportPick(0, False, "it fell", PickResult.DROPPED))
+    written.do(LinkEnded(parts=(PartReport("right", 0, True),), parts_placed=1))
+    assert results(statistics(written.rows)) == ["unknown", "dropped"]
 
 
 def test_what_nobody_knows_is_neither_taken_nor_failed(written, samples):

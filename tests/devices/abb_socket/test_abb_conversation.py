@@ -107,11 +107,13 @@ def test_what_comes_in_one_piece_with_the_end_does_not_count(talk):
     assert talk.ours.is_over and talk.receipts[-1].heard.endswith("done 12")
 
 
-def test_a_part_that_was_missed_is_told_with_its_reason(talk):
+@pytest.mark.parametrize("result", ["failed", "missed"])
+def test_a_part_that_was_lost_or_missed_is_reported_with_the_reason(talk, result):
     talk.go_on()
-    talk.tell("part R failed closed to 0.0 mm where 30.0 mm were expected")
+    talk.tell(f"part R {result} closed to 0.0 mm where 30.0 mm were expected")
     part = talk.receipts[-1].part
     assert (part.is_picked, part.why) == (False, "closed to 0.0 mm where 30.0 mm were expected")
+    assert part.is_missed == (result == "missed")
 
 
 def test_we_say_something_while_the_robot_moves_and_notice_silence(talk):

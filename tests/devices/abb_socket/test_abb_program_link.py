@@ -178,6 +178,7 @@ def test_a_hand_that_took_nothing_is_told(controller, at, plan, approval):
     parts = [receipt.part for receipt in receipts if receipt.part]
     assert [part.is_picked for part in parts] == [True, False]
     assert parts[1].why.startswith("closed to 0.0 mm where ")
+    assert [part.is_missed for part in parts] == [False, True]
     assert one.state()["placed"] == 1
 
 

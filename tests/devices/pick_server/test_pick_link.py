@@ -86,7 +86,8 @@ def test_a_connection_that_ends_costs_nothing_and_an_empty_hand_is_reported(plan
     with program(there, "cut@3", "empty-hand", port=there.controller.port) as robot:
         receipts, error = Sent(there, plan, approval).ended()
         assert error is None
-        assert [r.part.is_picked for r in receipts if r.part] == [False]
+        reports = [(r.part.is_picked, r.part.is_missed) for r in receipts if r.part]
+        assert reports == [(False, True)]
         assert len(robot.tickets) == 1
     heard = [r.heard for r in receipts if r.heard.startswith(("leg", "point", "done"))]
     assert len(heard) == len(set(heard)), "nothing is on record twice"

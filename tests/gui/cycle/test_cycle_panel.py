@@ -5,10 +5,13 @@ from dataclasses import replace
 import pytest
 
 from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.people import ROBOT_LINK
+from workbench.app.core.picks import Outcome
 from workbench.app.core.state import Ahead, Phase
 from workbench.app.runtime.live import Live
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.panel import CyclePanel
+from workbench.model.release import PartReport
 from workbench.model.scan import LocalizationResult, ScaleCheck
 
 NOW = 1_760_000_000.0
@@ -76,6 +79,34 @@ def test_a_part_of_a_wrong_size_is_corrected_by_a_button_that_names_it(panel, st
     button = show(("peg", 1.001), ("nut", 0.93), ("bolt", 1.08))
     assert button.visible and button.label == "Correct nut"
     assert panel._wrong == ("nut", "bolt")
+
+
+def test_after_a_missed_grip_plan_offers_the_rest_and_is_the_next_step(panel, states, view_of):
+    layout(panel, view_of(states.done))
+    assert panel._plan.label == "Plan" and panel._plan.disabled
+    done = after_a_miss(states.done)
+    layout(panel, view_of(done))
+    assert panel._plan.label == "Plan the rest" and not panel._plan.disabled
+    layout(panel, view_of(replace(done, may_have_moved=None)))
+    assert panel._plan.label == "Plan" and panel._plan.disabled
+
+
+def after_a_miss(done):
+    """The state in which the hand of the first of two parts has closed on nothing."""
+    missed, *others = done.plan.picks
+    reports = (
+        PartReport(missed.arm, missed.detection, False, "", True),
+        *(PartReport(pick.arm, pick.detection, True) for pick in others),
+    )
+    spare = replace(done.plan.detections[0], score=0.8)
+    plan = replace(done.plan, detections=(*done.plan.detections, spare))
+    return replace(
+        done,
+        plan=plan,
+        part_reports=reports,
+        outcomes=(Outcome(missed.detection, False, ROBOT_LINK),),
+        may_have_moved=(missed.detection,),
+    )
 
 
 def test_what_is_to_be_done_next_is_no_fault(states):

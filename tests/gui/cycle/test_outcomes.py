@@ -6,8 +6,12 @@ from dataclasses import replace
 import pytest
 
 from workbench.app.core.cycle.outcomes import ReportPick
-from workbench.app.core.state import Outcome, Phase, SentFor, State
+from workbench.app.core.picks import Outcome, SentFor
+from workbench.app.core.state import Phase, State
 from workbench.gui.cycle.outcomes import OutcomeInputs
+from workbench.model.release import PickResult
+
+PICKED, FAILED = PickResult.PICKED, PickResult.FAILED
 
 
 @pytest.fixture
@@ -40,7 +44,10 @@ def broken_off(row):
 def shown(inputs):
     """What stands beside the buttons that can be seen, and what these are called."""
     return [
-        (re.search(r"part-\d+( \w+)?", one._text.content)[0], one._picked.label, one._failed.label)
+        (
+            re.search(r"part-\d+( \w+)?", one._text.content)[0],
+            *(one._buttons[result].label for result in (PICKED, FAILED)),
+        )
         for one in inputs._rows
         if one._text.visible
     ]
@@ -53,8 +60,8 @@ def press(button):
 
 def test_why_a_pick_failed_is_said_of_that_pick_alone(inputs, states):
     first, second = inputs._rows
-    press(first._failed)
-    press(second._failed)
+    press(first._buttons[FAILED])
+    press(second._buttons[FAILED])
     assert [type(one) for one in inputs.given] == [ReportPick, ReportPick]
     assert [one.why for one in inputs.given] == ["slipped", ""]
     assert inputs._why.value == ""
@@ -62,7 +69,7 @@ def test_why_a_pick_failed_is_said_of_that_pick_alone(inputs, states):
 
 def test_what_was_refused_keeps_its_reason(inputs, visitor, states, monkeypatch):
     monkeypatch.setattr(visitor, "ask", lambda command: False)
-    press(inputs._rows[0]._failed)
+    press(inputs._rows[0]._buttons[FAILED])
     assert inputs._why.value == "slipped"
 
 
@@ -85,12 +92,12 @@ def test_every_part_of_every_plan_that_was_sent_is_asked_for(inputs, broken_off,
         for number, arm in zip(numbers, arms * 2, strict=True)
     ]
     for one in inputs._rows:
-        press(one._failed)
+        press(one._buttons[FAILED])
     assert [one.detection for one in inputs.given] == numbers
     said = Outcome(numbers[1], False, "Ada")
     inputs.show(view_of(broken_off), view_of(replace(broken_off, outcomes=(said,))))
     assert shown(inputs)[1][0] == f"part-{numbers[1] + 1} failed"
-    assert [one._failed.disabled for one in inputs._rows] == [False, True, False, False]
+    assert [one._buttons[FAILED].disabled for one in inputs._rows] == [False, True, False, False]
 
 
 def test_after_a_row_one_plan_has_its_own_parts_alone(inputs, broken_off, states, view_of):
@@ -106,7 +113,7 @@ def test_after_a_row_one_plan_has_its_own_parts_alone(inputs, broken_off, states
 
 def test_a_word_is_of_what_was_shown_and_not_of_what_was_sent_since(inputs, broken_off, visitor):
     inputs.state = broken_off
-    press(inputs._rows[0]._failed)
+    press(inputs._rows[0]._buttons[FAILED])
     assert inputs.given == []
     assert "another plan was sent meanwhile" in visitor.client.told[-1]
     assert inputs._why.value == "slipped"
@@ -114,7 +121,7 @@ def test_a_word_is_of_what_was_shown_and_not_of_what_was_sent_since(inputs, brok
 
 def test_the_reason_is_typed_below_all_rows(inputs, broken_off, view_of):
     inputs.show(None, view_of(broken_off))
-    assert max(one._failed.order for one in inputs._rows) < inputs._why.order
+    assert max(one._buttons[FAILED].order for one in inputs._rows) < inputs._why.order
 
 
 def test_an_acknowledged_fault_leaves_the_parts_to_be_told_of(inputs, broken_off, view_of):
@@ -127,9 +134,23 @@ def test_an_acknowledged_fault_leaves_the_parts_to_be_told_of(inputs, broken_off
     assert inputs._folder.visible
     assert [names for _, *names in shown(inputs)] == [names for _, *names in before]
     assert "part-2 picked" in [text for text, *_ in shown(inputs)]
-    press(inputs._rows[0]._failed)
+    press(inputs._rows[0]._buttons[FAILED])
     assert [(one.detection, one.why) for one in inputs.given] == [(0, "slipped")]
     scanned = replace(after, phase=Phase.SCANNED, unscanned=None)
     inputs.state = scanned
     inputs.show(view_of(after), view_of(scanned))
     assert not inputs._folder.visible and shown(inputs) == []
+
+
+def test_a_dropped_part_and_two_in_the_hand_have_a_button_each(inputs, states, view_of):
+    first = inputs._rows[0]
+    press(first._buttons[PickResult.DROPPED])
+    press(first._buttons[PickResult.DOUBLE])
+    assert [(one.is_picked, one.result, one.why) for one in inputs.given] == [
+        (False, PickResult.DROPPED, "slipped"),
+        (True, PickResult.DOUBLE, ""),
+    ]
+    said = Outcome(first._shown[1], True, "Ada", result=PickResult.DOUBLE)
+    inputs.show(view_of(states.done), view_of(replace(states.done, outcomes=(said,))))
+    assert "double" in first._text.content and "wb-bad" in first._text.content
+    assert [result for result, one in first._buttons.items() if one.disabled] == ["double"]

@@ -8,7 +8,7 @@ import pytest
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.planning import MakePlan, WantThreshold
 from workbench.app.core.cycle.sending import SendPlan
-from workbench.app.core.state import Avoided
+from workbench.app.core.picks import Avoided
 from workbench.gui.cycle import threshold
 from workbench.gui.cycle.panel import CyclePanel
 from workbench.gui.cycle.threshold import decides_line

@@ -58,7 +58,11 @@ def test_a_whole_cycle_by_program(site, tmp_path):
     assert (state["phase"], state["parts_placed"]) == ("done", 2)
     assert state["approved_by"] == ["Ada"]
     assert state["approved_unwatched"] is True, "no page has drawn it"
-    assert state["outcomes"] == [{"detection": 0, "is_picked": True, "by": "Ada", "why": ""}]
+    assert state["outcomes"] == [
+        {"detection": 0, "is_picked": True, "by": "Ada", "why": "", "result": "picked"}
+    ]
+    assert site.post("/report", detection=0, is_picked=True, result="double").status_code == 200
+    assert site.get("/state").json()["outcomes"][0]["result"] == "double"
     counted = site.get("/statistics").json()
     assert counted["picked"] == 2 and counted["cycles"] == 1
     assert site.get("/statistics").json() == counted, "nothing is counted twice"

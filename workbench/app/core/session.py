@@ -121,7 +121,7 @@ def opened_again(state: State) -> State:
     had, message = state.votes or state.approval or state.watched, state.message
     if had and state.phase in (Phase.PLANNED, Phase.APPROVED):
         message = StateText.OPENED_AGAIN()
-    state = replace(without_approval(state), unapproved_by="", earlier=None)
+    state = replace(without_approval(state), unapproved_by="", earlier=None, may_have_moved=None)
     return replace(state, watched=(), watched_elsewhere=(), message=message)
 
 

@@ -5,6 +5,7 @@ import enum
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
+from workbench.app.core.picks import Avoided, Outcome, SentFor
 from workbench.app.provenance.inventory import Inventory
 from workbench.model.calibration import SPACING_LIMIT, BallScan, PlateObservation, Touch
 from workbench.model.candidate import Candidate, Verdict
@@ -86,43 +87,6 @@ class Outline:
     seed: int = 0
     overrides: PlanOverrides = field(default_factory=PlanOverrides)
     plans: int = 1
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Outcome:
-    """What became of a part of the plan, and who says so; `detection` is its index there."""
-
-    detection: int
-    is_picked: bool
-    by: str
-    why: Message | str = ""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Avoided:
-    """Where a pick has failed: a part of that kind there is left alone for a while.
-
-    `p_bin` (3,) [m] in the frame of the bin of name `bin`; it ends at `until` [s since the epoch],
-    or earlier, when `scans` more scans of that bin were taken.
-    """
-
-    part: str
-    p_bin: tuple[float, float, float]
-    until: float
-    scans: int
-    why: Message | str = ""
-    bin: str = field(default_factory=str, metadata=LATER)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SentFor:
-    """The plans that were sent, in order, and what people and grippers said of their parts.
-
-    Each outcome names its part by the index in the first plan.
-    """
-
-    plans: tuple[Plan, ...]
-    outcomes: tuple[Outcome, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -214,10 +178,14 @@ class SessionState:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class ScanState(SessionState):
-    """What a new scan makes void: the scan and the searches in it, the latest last."""
+    """What a new scan makes void: the scan and the searches in it, the latest last.
+
+    `disturbed` are parts of the scan that a missed grip may have moved.
+    """
 
     scan: Scan | None = None
     searches: tuple[SearchRecord, ...] = ()
+    disturbed: tuple[Detection, ...] = field(default_factory=tuple, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -292,6 +260,8 @@ class RunState(ReleaseState):
     whole row.
     `stopped_by` names who has stopped the sending: nothing of the row follows.
     `ahead` is what is worked on for the next cycle meanwhile; no plan of it is here before the end.
+    `may_have_moved`: after a missed grip the parts, by their indices in the plan's list, that may
+    lie otherwise now; None where only a new scan can tell.
     """
 
     receipts: tuple[Receipt, ...] = ()
@@ -304,6 +274,7 @@ class RunState(ReleaseState):
     sent_before: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
     stopped_by: str = field(default_factory=str, metadata=LATER)
     ahead: Ahead | None = field(default_factory=lambda: None, metadata=LATER)
+    may_have_moved: tuple[int, ...] | None = field(default_factory=lambda: None, metadata=LATER)
 
     @property
     def whole_row(self) -> tuple[Proven, ...]:

@@ -4,6 +4,7 @@ import functools
 from collections.abc import Sequence
 from dataclasses import replace
 
+from workbench.app.core.after_a_miss import is_sure
 from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.ahead import GoOn
@@ -21,6 +22,7 @@ from workbench.model.plan import Plan, Proof, Proven
 from workbench.model.scan import Scan
 from workbench.perception.bins.bin_check import check_bin
 from workbench.plugins.planner import planner_named
+from workbench.proof.claims.moved import moved_parts
 from workbench.proof.claims.spot import Spot, spot_of
 
 
@@ -58,8 +60,14 @@ def with_facts(state: State, command: Command) -> Command:
         state: before the command.
         command: as it came, or as it was recorded before facts were.
     """
-    if isinstance(command, LinkEnded) and command.placed is None and state.plan is not None:
-        return replace(command, placed=put_down(state.cell, state.plan))
+    if isinstance(command, LinkEnded) and state.plan is not None:
+        if command.placed is None:
+            command = replace(command, placed=put_down(state.cell, state.plan))
+        if command.may_have_moved is None and is_sure(state, command):
+            grasped = [arm.detection for arm in state.plan.picks]
+            moved = moved_parts(state.cell, state.plan.detections, grasped)
+            command = replace(command, may_have_moved=moved and tuple(sorted(moved)))
+        return command
     if isinstance(command, GoOn) and state.phase is Phase.SENDING and command.sees_from is None:
         last = state.plans[-1]
         placed = put_down(state.cell, last)

@@ -42,6 +42,7 @@ from workbench.planning.placing.assembling import base_errors
 from workbench.plugins.localizer import find_parts as localized
 from workbench.plugins.progress import Cancelled, Report
 from workbench.plugins.scanner import ScanRequest, scanner_of
+from workbench.proof.claims.moved import room_of_moved
 
 
 def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled) -> Scan:
@@ -194,7 +195,11 @@ def plan(
         strategy=arguments["strategy"],
         threshold=arguments["threshold"],
         overrides=arguments["overrides"],
-        obstacles=(*around.seen, *boxes_around(cell, arguments["placed"])),
+        obstacles=(
+            *around.seen,
+            *boxes_around(cell, arguments["placed"]),
+            *(room_of_moved(cell, part) for part in arguments.get("disturbed", ())),
+        ),
         unseen=around.unseen,
         bases=base_errors(arguments["placed"]),
         avoided=dict(arguments["avoided"]),

@@ -4,7 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-Result = Literal["picked", "failed", "unknown"]
+from workbench.model.release import PickResult
+
+Result = PickResult | Literal["unknown"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,13 +41,25 @@ class CycleRecord:
 
 @dataclass(frozen=True, slots=True)
 class Rate:
-    """How often picks of one kind have succeeded; those of unknown result do not count."""
+    """How many picks of one kind have which result; those of unknown result do not count."""
 
     name: str
     picked: int
     failed: int
+    dropped: int = 0
+    double: int = 0
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """The number of picks by result."""
+        return {str(result): getattr(self, result) for result in PickResult}
+
+    @property
+    def known(self) -> int:
+        """How many results are known."""
+        return sum(self.counts.values())
 
     @property
     def share(self) -> float:
-        """Of those that are known, 0..1."""
-        return self.picked / max(self.picked + self.failed, 1)
+        """Share of the known picks that brought their part alone to its place, 0..1."""
+        return self.picked / max(self.known, 1)

@@ -7,6 +7,9 @@ from types import MappingProxyType
 from typing import Any
 
 from workbench.model.part import TURNED
+from workbench.model.release import PickResult
+
+FAILED = set(PickResult) - {PickResult.PICKED}
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,6 +18,7 @@ class GraspUse:
 
     `tried` is how often it was judged for a part in the bin, `possible` how often it would have
     worked, `planned` how often a plan went by it; `picked` and `failed` are what became of that.
+    A part that was dropped, and two in the hand, count as failed.
     """
 
     tried: int = 0
@@ -61,11 +65,11 @@ def count_taken(picks: Iterable[tuple[str, str, str]]) -> Uses:
     """How often plans went by each grasp, and what became of it.
 
     Args:
-        picks: part, grasp, and picked, failed or anything else.
+        picks: part, grasp, and a `PickResult` or anything else.
     """
     uses: dict[tuple[str, str], GraspUse] = {}
     for part, grasp, result in picks:
-        use = GraspUse(planned=1, picked=result == "picked", failed=result == "failed")
+        use = GraspUse(planned=1, picked=result == "picked", failed=result in FAILED)
         key = (part, grasp.partition(TURNED)[0])
         uses[key] = uses.get(key, GraspUse()) + use
     return uses

@@ -18,7 +18,7 @@ from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
-from workbench.app.statistics.cycles import CycleRecord, PickRecord, Rate, Result
+from workbench.app.statistics.cycles import CycleRecord, PickRecord, Rate
 from workbench.app.statistics.grasp_use import NO_USES, Uses, add_uses, count_judged, count_taken
 from workbench.app.statistics.kits import KitCount, Kits, add_kits
 from workbench.app.statistics.remaining import MOST, Remaining, RemainingPart
@@ -27,6 +27,7 @@ from workbench.app.statistics.turns import Turns
 from workbench.journal.journal import Row
 from workbench.model.candidate import Reason, kind_of
 from workbench.model.errors import JournalError
+from workbench.model.release import PickResult, result_of
 
 SCANS = frozenset({TakeScan.__name__, UseScan.__name__, GoOn.__name__})
 """A cycle begins with one of these, or with poses from outside after the one before has ended."""
@@ -48,6 +49,8 @@ COUNTED = SCANS | {
 
 NOTHING_BEGUN = ("", 0.0, 0)
 """Tasks have the numbers of entries, which begin with 1."""
+
+TAKEN = {result for result in PickResult if result.is_picked}
 
 STAGES = ("scan", "find parts", "plan", "approve", "send")
 
@@ -74,8 +77,8 @@ class Statistics:
 
     @property
     def picked(self) -> int:
-        """Parts taken."""
-        return sum(pick.result == "picked" for _, pick in self.picks)
+        """Parts taken, also those with which a second one came."""
+        return sum(pick.result in TAKEN for _, pick in self.picks)
 
     @property
     def picks_per_hour(self) -> float | None:
@@ -88,8 +91,11 @@ class Statistics:
         counted: defaultdict[str, Counter[str]] = defaultdict(Counter)
         for cycle, pick in self.picks:
             counted[of(cycle, pick)][pick.result] += 1
-        rates = [Rate(name, counts["picked"], counts["failed"]) for name, counts in counted.items()]
-        return tuple(sorted(rates, key=lambda rate: (-rate.picked - rate.failed, rate.name)))
+        rates = [
+            Rate(name, *(counts[result] for result in PickResult))
+            for name, counts in counted.items()
+        ]
+        return tuple(sorted(rates, key=lambda rate: (-rate.known, rate.name)))
 
     def grasps(self) -> Uses:
         """How each grasp of each part has done."""
@@ -109,10 +115,11 @@ class Statistics:
 
     def by_hour(self) -> tuple[tuple[float, int, int], ...]:
         """Each hour with cycles, by the clock: when it began [s], parts taken, and failed."""
-        hours: defaultdict[float, Counter[str]] = defaultdict(Counter)
+        hours: defaultdict[float, Counter[bool]] = defaultdict(Counter)
         for cycle, pick in self.picks:
-            hours[cycle.until // 3600 * 3600][pick.result] += 1
-        return tuple((at, hour["picked"], hour["failed"]) for at, hour in sorted(hours.items()))
+            if pick.result != "unknown":
+                hours[cycle.until // 3600 * 3600][pick.result in TAKEN] += 1
+        return tuple((at, hour[True], hour[False]) for at, hour in sorted(hours.items()))
 
 
 GROUPS: Mapping[str, Callable[[CycleRecord, PickRecord], str]] = {
@@ -123,6 +130,9 @@ GROUPS: Mapping[str, Callable[[CycleRecord, PickRecord], str]] = {
 }
 """What success is reported by."""
 
+
+WITHOUT_SCAN = {UseDetections.__name__, MakePlan.__name__}
+"""A cycle begins with poses from outside, or with a plan in the scan of a cycle that has ended."""
 
 OF_A_PLAN = {SendPlan.__name__, LinkEnded.__name__}
 """Entries that are about the plan that was made last."""
@@ -179,9 +189,10 @@ class Count:
             self._follows()
         if kind == JobEnded.__name__ and body["after"]["job"] == number:
             # What that task brought was taken without a person; a corrected part is searched again.
-            is_corrected = "part" in body["command"]["result"]
-            follows = "find parts" if is_corrected else STAGES[STAGES.index(stage) + 1]
-            self._begun = (follows, at, number)
+            result = body["command"]["result"]
+            follows = "find parts" if "part" in result else STAGES[STAGES.index(stage) + 1]
+            # Where no plan was made, a scan follows.
+            self._begun = ("scan" if "plan" in result else follows, at, number)
 
     @property
     def value(self) -> Statistics:
@@ -208,8 +219,7 @@ class Count:
             self._begun = ("scan", at, number)
             return
         is_sent = bool(self._cycles) and self._cycles[-1].end in ("done", "fault")
-        if not self._cycles or (is_sent and kind == UseDetections.__name__):
-            # Poses from outside, without a scan.
+        if not self._cycles or (is_sent and kind in WITHOUT_SCAN):
             self._cycles.append(CycleRecord(number, at, at))
         match kind:
             case FindParts.__name__ if command.get("is_compared"):
@@ -240,7 +250,8 @@ class Count:
         self._begun = NOTHING_BEGUN
         if "error" in result:
             return
-        self._took(stage, began, at)
+        # After a missed grip the next cycle begins with its plan.
+        self._took("plan" if "plan" in result else stage, began, at)
         if "detections" in result:
             self._count_found(result["detections"])
         if "plan" in result:
@@ -281,24 +292,36 @@ class Count:
 
     def _link_ended(self, at: float, command: Any) -> None:
         self._took("send", self._begun[1], at)
-        # The controller's word on each part, where its protocol has one.
+        # The controller's word on each part, where its protocol has one; a person sees more.
+        doubted = {
+            pick.detection
+            for pick in self._cycles[-1].picks
+            if pick.result not in ("unknown", PickResult.PICKED)
+        }
         for part in command.get("parts", ()):
             if part["is_picked"] is not None:
                 number = part["detection"]
                 if self._place:
                     number = self._numbers[self._place][number]
-                self._count_report({**part, "detection": number})
+                if number not in doubted:
+                    self._count_report({**part, "detection": number})
         picks = self._cycles[-1].picks
         sent = {pick.detection for pick in self._row[self._place]} if self._row else set[int]()
         if not command["fault"] and command["parts_placed"] == len(sent):
             # It has counted every part, unless somebody says otherwise.
             picks = tuple(
-                replace(pick, result="picked")
+                replace(pick, result=PickResult.PICKED)
                 if pick.result == "unknown" and pick.detection in sent
                 else pick
                 for pick in picks
             )
         self._change(end="fault" if command["fault"] else "done", picks=picks, until=at)
+        moved = command.get("may_have_moved")
+        if moved is not None:
+            gone = {*moved, *(part["detection"] for part in command["parts"])}
+            numbers = self._numbers[self._place]
+            rest = [number for place, number in enumerate(numbers) if place not in gone]
+            self._count_found([self._found[number] for number in rest])
 
     def _follows(self) -> None:
         """The next plan of the row is on its way, in the same cycle."""
@@ -310,7 +333,8 @@ class Count:
         self._change(end="", picks=(*done, *picks))
 
     def _count_report(self, report: Any) -> None:
-        result: Result = "picked" if report["is_picked"] else "failed"
+        stated = report.get("result")
+        result = result_of(report["is_picked"], None if stated is None else PickResult(stated))
         sent = self._sent_last()
         if sent is None:
             return

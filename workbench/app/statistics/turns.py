@@ -52,6 +52,8 @@ class Turns:
                 self._held.append(record)
         elif not is_sending and row.kind == LinkEnded.__name__ and self._held is not None:
             held, self._held = self._held, None
+            if after["job"] == row.number and after["phase"] == "localized":
+                held = []  # after a missed grip a plan without a scan has begun instead
             yield record
             if after["job"] is not None or after["phase"] not in ("done", "fault"):
                 began, *ends = held or [record]

@@ -60,10 +60,7 @@ def _form(counted: Statistics, sessions: int) -> dict[str, Any]:
         "picked": counted.picked,
         "picks_per_hour": counted.picks_per_hour,
         "success": {
-            name: {
-                rate.name: {"picked": rate.picked, "failed": rate.failed}
-                for rate in counted.rates(of)
-            }
+            name: {rate.name: rate.counts for rate in counted.rates(of)}
             for name, of in GROUPS.items()
         },
         "stages": {
@@ -89,12 +86,14 @@ def _print(counted: Statistics, sessions: int) -> None:
             group_rate.name,
             str(group_rate.picked),
             str(group_rate.failed),
+            str(group_rate.dropped),
+            str(group_rate.double),
             f"{group_rate.share:.0%}",
         )
         for group, of in GROUPS.items()
         for group_rate in counted.rates(of)
     ]
-    print_table("Success", ("by", "", "taken", "failed", "share"), rows)
+    print_table("Success", ("by", "", "taken", "failed", "dropped", "double", "share"), rows)
     stages = [
         (stage, f"{milliseconds(usual):,}", f"{milliseconds(most):,}")
         for stage, usual, most in counted.stage_medians()

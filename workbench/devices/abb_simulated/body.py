@@ -129,7 +129,7 @@ class SimulatedBody:
     def open(self, arm: str, opening: float) -> str | None:
         """Open a hand to `opening` [m]; what became of its part, None when it had not closed.
 
-        The words are `picked`, or `failed` and why.
+        The words are `picked`, or `missed` and why.
         """
         with self._lock:
             self._openings[arm] = opening
@@ -147,7 +147,7 @@ class SimulatedBody:
                 self._openings[arm] = self.cell.arm(arm).tool.stroke[0]
                 closed = f"{self._openings[arm] * 1000:.1f}"
                 self._holds[arm] = (
-                    f"failed closed to {closed} mm where {opening * 1000:.1f} mm were expected"
+                    f"missed closed to {closed} mm where {opening * 1000:.1f} mm were expected"
                 )
             else:
                 self._openings[arm] = opening

@@ -119,9 +119,12 @@ class ProgramReports:
         result, _, why = said.partition(" ")
         for arm in self._plan.picks:
             is_it = self._cell.arm(arm.arm).controller_id == letter
-            if is_it and arm.arm not in self._parts and result in ("picked", "failed"):
-                self._parts[arm.arm] = PartReport(arm.arm, arm.detection, result == "picked", why)
-                return self._parts[arm.arm]
+            if is_it and arm.arm not in self._parts and result in ("picked", "failed", "missed"):
+                report = PartReport(
+                    arm.arm, arm.detection, result == "picked", why, result == "missed"
+                )
+                self._parts[arm.arm] = report
+                return report
         raise ProtocolError(f"{frame.text!r} is about no part of the plan, or comes twice")
 
     def check_done(self, frame: MessageFrame, where: Message) -> None:

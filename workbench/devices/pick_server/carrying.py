@@ -16,6 +16,9 @@ from workbench.plugins.progress import Cancelled, never
 
 Words = tuple[str, ...]
 
+MISSED = "missed"
+"""The reason of a failure by which the hand has closed on nothing."""
+
 
 class Carrying:
     """One plan that waits to be asked for, goes out, and comes to its end or to a doubt.
@@ -48,7 +51,7 @@ class Carrying:
         self.is_stopping, self.is_acknowledged = False, False
         # Legs that were answered and that were reported as done; waypoints of the last one.
         self._given = self.done = self._points = self._count = 0
-        self._is_gripped = self._is_reported = False
+        self._is_gripped = self._is_reported = self._has_held = False
         self.part: PartReport | None = None
         self.receipts: list[Receipt] = []
 
@@ -109,6 +112,7 @@ class Carrying:
             case "done" if self.is_moving and self._points == len(self._leg.points):
                 return self._end_leg(request)
             case "picked" if self._is_gripped and not self._is_reported:
+                self._has_held = True
                 return self._acknowledge(request)
             case "placed" if self._is_open_again and not self._is_reported:
                 return self._report(request, is_picked=True)
@@ -168,7 +172,13 @@ class Carrying:
     def _report_part(self, request: Request, *, is_picked: bool) -> None:
         why = "" if is_picked else (request.words or ("-",))[0]
         self._is_reported = True
-        self.part = PartReport(self.program.arm, self.program.detection, is_picked, why)
+        is_missed = why == MISSED and self._may_have_missed
+        self.part = PartReport(self.program.arm, self.program.detection, is_picked, why, is_missed)
+
+    @property
+    def _may_have_missed(self) -> bool:
+        """Whether the hand can have closed on nothing: what it held before has fallen."""
+        return self._leg.hand == "grip" and not self._has_held
 
     def _acknowledge(self, request: Request, part: PartReport | None = None) -> Words:
         return self._record(("OK", request.job), request, part)

@@ -57,6 +57,11 @@ class PoseCarrying(Carrying):
             case _:
                 raise ProtocolError(AskText.WRONG_JOB(job=request.job, where=self.where))
 
+    @property
+    def _may_have_missed(self) -> bool:
+        # What the robot's own motion has moved nobody knows.
+        return False
+
     def _take(self, request: Request) -> Words:
         # Joints are a report alone: where the robot stands decides nothing here.
         if request.words:

@@ -10,6 +10,7 @@ import numpy as np
 
 from workbench.devices.pick_server.asking import Asker
 from workbench.devices.pick_server.axes import AxisWords
+from workbench.devices.pick_server.carrying import MISSED
 from workbench.devices.pick_server.conversation import POSES_VERSION, VERSION, Words
 from workbench.devices.pick_server.lines import LAST
 from workbench.devices.pick_server.poses import POSES
@@ -113,7 +114,7 @@ class SimulatedProgram:
                 self.q = self.q + STRAY
             self._ask_or_stop("done", str(number), *self._joints())
             if hand == "grip":
-                self._ask_or_stop(*(("picked",) if is_held else ("failed", "empty")))
+                self._ask_or_stop(*(("picked",) if is_held else ("failed", MISSED)))
 
     def _take(self, ticket: str) -> None:
         if ticket in self.tickets:
@@ -126,7 +127,7 @@ class SimulatedProgram:
             self._misbehave(number)
             self._ask_or_stop("pose", str(number))
         if self._happens(len(POSES)).count("empty-hand"):
-            self._ask_or_stop("failed", "empty")
+            self._ask_or_stop("failed", MISSED)
             return
         self._ask_or_stop("picked")
         self._ask_or_stop("placed")

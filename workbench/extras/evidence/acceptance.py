@@ -182,13 +182,13 @@ def _causes(picks: Picks) -> ReportTable:
 def _rates(picks: Picks) -> ReportTable:
     cycles = tuple({cycle.at: cycle for cycle, _ in picks}.values())
     rows = tuple(
-        (group, rate.name, str(rate.picked), str(rate.failed), f"{rate.share:.1%}")
+        (group, rate.name, *map(str, rate.counts.values()), f"{rate.share:.1%}")
         for group, of in GROUPS.items()
         for rate in Statistics(cycles).rates(of)
     )
     return ReportTable(
         "Success",
         "Of the cycles of these picks. Picks without a report do not count here.",
-        ("By", "", "Taken", "Failed", "Share"),
+        ("By", "", "Taken", "Failed", "Dropped", "Double", "Share"),
         rows,
     )

@@ -343,6 +343,7 @@ def _policy(table: Table) -> tuple[Policy, int]:
         least_air=air if table.has("least_air_mm") else usual.least_air,
         picks=table.whole("picks", usual.picks, low=1, high=MOST_PICKS),
         manual_speed=table.flag("manual_speed", False),
+        retry_without_scan=table.flag("retry_without_scan", False),
         contact_energy=energy if table.has("contact_energy_j") else None,
         stirs=table.whole("stirs", usual.stirs, low=0, high=MOST_STIRS),
         stir_speed=table.number("stir_speed_mm", usual.stir_speed * 1000, low=10, high=250) / 1000,

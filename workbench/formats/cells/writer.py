@@ -153,17 +153,17 @@ def _policy(cell: Cell) -> Iterator[str]:
         yield f"pair_gap_mm = {number(policy.pair_gap * 1000)}"
     if policy.least_air is not None and policy.least_air != usual.least_air:
         yield f"least_air_mm = {number(policy.least_air * 1000)}"
-    if policy.picks != usual.picks:
-        yield f"picks = {policy.picks}"
+    for key in ("picks", "stirs"):
+        if getattr(policy, key) != getattr(usual, key):
+            yield f"{key} = {getattr(policy, key)}"
     for key in ("tcp_speed", "point_speed", "held_speed"):
         if (speed := getattr(policy, key)) is not None:
             yield f"{key}_mm = {number(speed * 1000)}"
-    if policy.manual_speed:
-        yield "manual_speed = true"
+    for key in ("manual_speed", "retry_without_scan"):
+        if getattr(policy, key):
+            yield f"{key} = true"
     if policy.contact_energy is not None:
         yield f"contact_energy_j = {number(policy.contact_energy)}"
-    if policy.stirs:
-        yield f"stirs = {policy.stirs}"
     if policy.stir_speed != usual.stir_speed:
         yield f"stir_speed_mm = {number(policy.stir_speed * 1000)}"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"

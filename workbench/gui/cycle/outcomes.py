@@ -1,10 +1,11 @@
-"""What became of each part that was sent for: a row a part, with the two words for it."""
+"""What became of each part that was sent for: two rows a part, with a button for each result."""
 
 import viser
 
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.outcomes import ReportPick, parts_sent_for
-from workbench.app.core.state import Outcome, sent_for
+from workbench.app.core.picks import Outcome
+from workbench.app.core.state import sent_for
 from workbench.app.core.value_checks import LONGEST_TEXT
 from workbench.gui.help.groups import help_html
 from workbench.gui.shared.look import View
@@ -13,10 +14,33 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.errors import InputError
 from workbench.model.messages.message import FoundPart, as_message
+from workbench.model.release import PickResult
 from workbench.words.words import Words
 
 AFTER_ROWS = 1e12
 """Where the field for a reason stands in its folder: below all rows; viser counts these upwards."""
+
+
+LABELS = {
+    PickResult.PICKED: CyclePageText.PICKED,
+    PickResult.FAILED: CyclePageText.FAILED,
+    PickResult.DROPPED: CyclePageText.DROPPED,
+    PickResult.DOUBLE: CyclePageText.DOUBLE,
+}
+
+PART_TEXTS = {
+    PickResult.PICKED: CyclePageText.PART_PICKED,
+    PickResult.FAILED: CyclePageText.PART_FAILED,
+    PickResult.DROPPED: CyclePageText.PART_DROPPED,
+    PickResult.DOUBLE: CyclePageText.PART_DOUBLE,
+}
+
+HINTS = {
+    PickResult.PICKED: "The part came to its place.",
+    PickResult.FAILED: "The hand held nothing.",
+    PickResult.DROPPED: "The part was lost on the way: look where it lies.",
+    PickResult.DOUBLE: "A second part came with it: take that out of the place.",
+}
 
 
 class OutcomeInputs:
@@ -72,27 +96,42 @@ class _PartRow:
         self._shown: tuple[str, int] = ("", 0)
         gui = visitor.gui
         self._text = gui.add_html("")
-        self._picked = gui.add_button(_label(arm, True, visitor.words), color="gray")
-        self._failed = gui.add_button(_label(arm, False, visitor.words), color="gray")
-        visitor.on_press(self._picked, lambda: self._word(True))
-        self._failed.on_click(lambda _: self._pressed_failed())
+        self._buttons: dict[PickResult, viser.GuiButtonHandle] = {}
+        self._add_button(arm, PickResult.PICKED)
+        self._add_button(arm, PickResult.FAILED)
+        self._below = gui.add_html('<div class="wb-span1"></div>')
+        self._add_button(arm, PickResult.DROPPED)
+        self._add_button(arm, PickResult.DOUBLE)
 
-    def _pressed_failed(self) -> None:
-        if self._visitor.ask(lambda: self._word(False)):
+    def _add_button(self, arm: str, result: PickResult) -> None:
+        button = self._visitor.gui.add_button(
+            _label(arm, result, self._visitor.words), color="gray", hint=HINTS[result]
+        )
+        self._buttons[result] = button
+        button.on_click(lambda _: self._press(result))
+
+    def _press(self, result: PickResult) -> None:
+        is_taken = self._visitor.ask(lambda: self._report(result))
+        if is_taken and result is not PickResult.PICKED:
             # The next failure has a reason of its own.
             self._why.value = ""
 
-    def _word(self, is_picked: bool) -> Command:
+    def _report(self, result: PickResult) -> Command:
         first, number = self._shown
         sent = sent_for(self._visitor.bench.state)
         if sent is None or sent.plans[0].digest != first:
             raise InputError("another plan was sent meanwhile; look again")
-        why = "" if is_picked else self._why.value.strip()[:LONGEST_TEXT]
-        return ReportPick(number, is_picked, why)
+        is_plain = result in (PickResult.PICKED, PickResult.FAILED)
+        why = "" if result is PickResult.PICKED else self._why.value.strip()[:LONGEST_TEXT]
+        return ReportPick(number, result.is_picked, why, None if is_plain else result)
+
+    @property
+    def _controls(self) -> tuple[viser.GuiHtmlHandle | viser.GuiButtonHandle, ...]:
+        return (self._text, self._below, *self._buttons.values())
 
     def hide(self) -> None:
         """Take it out of sight."""
-        for control in (self._text, self._picked, self._failed):
+        for control in self._controls:
             control.visible = False
 
     def show(self, first: str, number: int, arm: str, said: Outcome | None) -> None:
@@ -106,26 +145,22 @@ class _PartRow:
         """
         self._shown = first, number
         words = self._visitor.words
-        self._picked.label, self._failed.label = (
-            _label(arm, is_ok, words) for is_ok in (True, False)
-        )
-        self._picked.disabled = said is not None and said.is_picked
-        self._failed.disabled = said is not None and not said.is_picked
+        for result, button in self._buttons.items():
+            button.label = _label(arm, result, words)
+            button.disabled = said is not None and said.became is result
         part, kind, tip = FoundPart(number), "result", ""
         text = str(part)
         if said is not None:
-            kind = "result" if said.is_picked else "bad"
-            became = CyclePageText.PART_PICKED if said.is_picked else CyclePageText.PART_FAILED
-            text = words.render(became(part=part))
+            kind = "result" if said.became is PickResult.PICKED else "bad"
+            text = words.render(PART_TEXTS[said.became](part=part))
             by = CyclePageText.REPORTED_BY(person=said.by)
             if said.why:
                 by = CyclePageText.REPORTED_BY_WHY(person=said.by, why=as_message(said.why))
             tip = words.render(by)
         self._text.content = line(text, kind=kind, span=1, tip=tip)
-        for control in (self._text, self._picked, self._failed):
+        for control in self._controls:
             control.visible = True
 
 
-def _label(arm: str, is_picked: bool, words: Words) -> str:
-    text = CyclePageText.PICKED if is_picked else CyclePageText.FAILED
-    return words.render(text(arm=arm.capitalize()))
+def _label(arm: str, result: PickResult, words: Words) -> str:
+    return words.render(LABELS[result](arm=arm.capitalize()))

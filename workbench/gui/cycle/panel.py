@@ -6,6 +6,7 @@ from typing import Any
 
 import viser
 
+from workbench.app.core.after_a_miss import is_rest_known
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.approval import Approve, standing_votes
@@ -241,6 +242,8 @@ class CyclePanel:
             state, new.at, problem, is_next=is_next, words=visitor.words
         )
         self._send_line.content = send_line(state, visitor.words)
+        has_rest = is_rest_known(state)
+        self._plan.label = visitor.words.render("Plan the rest" if has_rest else "Plan")
         self._go_on.show(new)
         begin = self._view.button if self._view.show(new) else self._scan
         is_stepped = self._step.show(new)
@@ -261,13 +264,14 @@ class CyclePanel:
             problem = visitor.words.render(visitor.refusal(state, command, new.at, joints))
             button.disabled = bool(problem)
             visitor.explain(button, problem)
+        after_end = begin if _has_moved_scanner(state) else self._go_on.button
         next_step = {
             Phase.IDLE: begin,
             Phase.SCANNED: self._find,
             Phase.LOCALIZED: self._stir if may_stir(state) and is_stuck else self._plan,
             Phase.PLANNED: self._play.button if is_next else self._approve,
             Phase.APPROVED: self._send,
-            Phase.DONE: begin if _has_moved_scanner(state) else self._go_on.button,
+            Phase.DONE: self._plan if has_rest else after_end,
         }
         visitor.emphasise(next_step.get(state.phase))
 

@@ -29,6 +29,7 @@ from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan, Proof
 from workbench.model.prediction import Predictions
+from workbench.model.release import PickResult
 from workbench.perception.bins.fill_level import parts_in_words
 from workbench.proof.claims.clearance import bounds_message
 from workbench.words.words import IN_ENGLISH, Words
@@ -170,9 +171,9 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
         case Phase.SENDING:
             return _box("busy", message_text(state.message, words), parts_placed(state, words))
         case Phase.DONE:
-            is_good = all(outcome.is_picked for outcome in state.outcomes) and not is_failure(
-                state.message
-            )
+            is_good = all(
+                outcome.became is PickResult.PICKED for outcome in state.outcomes
+            ) and not is_failure(state.message)
             return _box("good" if is_good else "fault", message_text(state.message, words))
         case _:
             text = message_text(state.message, words) or "Ready. Take a scan to begin."

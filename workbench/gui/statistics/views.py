@@ -1,5 +1,6 @@
 """Statistics as HTML: a few numbers, and bars; see `views` for how."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from html import escape
 
@@ -16,10 +17,14 @@ from workbench.model.candidate import Reason
 from workbench.model.messages.cells import KitText
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.work import LinkText
+from workbench.model.release import PickResult
 from workbench.words.words import IN_ENGLISH, Words
 
 MOST_BARS = 12
 """Of one chart; a part may have very many grasps."""
+
+
+UNWANTED = (PickResult.FAILED, PickResult.DROPPED, PickResult.DOUBLE)
 
 
 def not_restored(state: State, robot: Message | None) -> str:
@@ -72,12 +77,15 @@ def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
     if not counted.cycles:
         return line("Once a cycle was planned, what came of it is counted here.", kind="hint")
     rate = counted.picks_per_hour
-    failed = sum(pick.result == "failed" for _, pick in counted.picks)
+    results = Counter(pick.result for _, pick in counted.picks)
+    failed, dropped, double = (results[result] for result in UNWANTED)
     taken = StatisticsText.TAKEN(taken=counted.picked, failed=failed)
+    lost = StatisticsText.DROPPED_AND_DOUBLE(dropped=dropped, double=double)
     hourly = None if rate is None else StatisticsText.RATE(count=round(rate))
     rows = [
         ("Cycles", f"{len(counted.cycles)}"),
         ("Parts taken", words.render(taken)),
+        *([("Other outcomes", words.render(lost))] if dropped or double else []),
         ("Parts per hour", words.render(hourly)),
         *(_kit_row(kit, words) for kit in counted.kits),
     ]
@@ -128,10 +136,10 @@ def _seconds(time: float) -> str:
 
 def _success(title: Message, rates: tuple[Rate, ...], words: Words) -> str:
     """A bar for each, its length the share that was taken."""
-    known = [rate for rate in rates if rate.picked + rate.failed]
+    known = [rate for rate in rates if rate.known]
     bars: list[str] = []
     for rate in known[:MOST_BARS]:
-        taken = StatisticsText.TAKEN_OF(taken=rate.picked, total=rate.picked + rate.failed)
+        taken = StatisticsText.TAKEN_OF(taken=rate.picked, total=rate.known)
         bars.append(_bar(rate.name, 100 * rate.share, words.render(taken), BAD))
     return _chart(words.render(title), bars)
 

@@ -62,8 +62,12 @@ class CyclePageText(Text, subject="page-cycle"):
     RUNS_MEANWHILE = "During the motion runs {task}."
     PICKED = "{arm} picked"
     FAILED = "{arm} failed"
+    DROPPED = "{arm} dropped"
+    DOUBLE = "{arm} double"
     PART_PICKED = "{part} picked"
     PART_FAILED = "{part} failed"
+    PART_DROPPED = "{part} dropped"
+    PART_DOUBLE = "{part} double"
     REPORTED_BY = "reported by {person}"
     REPORTED_BY_WHY = "reported by {person}: {why}"
 

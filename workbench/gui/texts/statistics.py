@@ -11,6 +11,7 @@ class StatisticsText(Text, subject="page-statistics"):
     PART = "Part {name} with its grasps"
     SESSION = "Session {name}"
     TAKEN = "{taken}, {failed} failed"
+    DROPPED_AND_DOUBLE = "{dropped} dropped, {double} double"
     RATE = "{count}, without pauses between cycles"
     SUCCESS_BY = "Success by {group}"
     BY_HOUR = "Parts taken in each hour [{zone}]"

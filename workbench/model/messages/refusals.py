@@ -149,6 +149,8 @@ class Refusal(Text, subject="refusal"):
 
     NOTHING_PICKED = "there is no plan whose parts were picked"
     NO_OUTCOME = "a pick has succeeded or failed, {value} is neither"
+    MOVED_BY_A_MISS = "a missed grip may have moved parts of this scan: take a new scan"
+    OTHER_RESULT = "the result {result} does not fit is_picked = {is_picked}"
     OTHER_PARTS = "the plan does not take that part; it takes {parts}"
     SAID_ALREADY = "{person} has reported that already"
     NOTHING_AVOIDED = "no part is avoided"

@@ -75,11 +75,17 @@ class StateText(Text, subject="state"):
     CYCLE_FINISHED = "cycle finished, {count} of {total} {total:part|parts} reported placed"
     REACHED_HOME = "the {arm} arm stands at home; go to the view before the next scan"
     REACHED_VIEW = "the {arm} arm stands at view {view}: scan"
+    REST_KNOWN = (
+        "the grip closed on nothing; {count} {count:part is|parts are} left in this scan "
+        "to plan for"
+    )
     ARM_FAILED = "{arm} arm failed: {why}"
     FAULT_WHILE_SENDING = "fault while sending: {fault}"
     FAULT_ACKNOWLEDGED = "fault acknowledged by {person}; take a new scan"
     PICKED = "{person} reports: {part} was picked"
     PICK_FAILED = "{person} reports: {part} failed"
+    PART_DROPPED = "{person} reports: {part} was dropped; it may lie anywhere, so look and scan"
+    TWO_PARTS = "{person} reports: a second part came with {part}; take it out of its place"
     SINCE = "{what}: {why}"
     NOTHING_AVOIDED = "no part is avoided now"
     MAKING_PART = "importing part {part} from {file}"
@@ -158,6 +164,7 @@ class RowStop(Text, subject="row-stop"):
     NOT_PICKED = "the {arm} arm has not reported its part as picked"
     NOT_PICKED_SINCE = "the {arm} arm has not reported its part as picked: {why}"
     PERSON_SAYS = "{person} reports: {part} was not picked"
+    TWO_PARTS = "{person} reports: a second part came with {part}"
     NOT_APPROVED = "the next plan is not approved"
     NO_JOINTS = "the controller does not report where the robot stands"
 

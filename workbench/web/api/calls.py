@@ -44,7 +44,7 @@ from workbench.app.core.value_checks import (
 from workbench.model.cell import MOST_PICKS, ORDER_NAMES, PlanOverrides
 from workbench.model.prediction import CHANGE_KINDS, TOGETHER, Seen
 from workbench.model.recipes.recipe import HIGHEST, NO_RECIPE
-from workbench.model.release import SLOWEST
+from workbench.model.release import SLOWEST, PickResult
 from workbench.model.scan import ALL_KINDS, SearchOverrides
 from workbench.plugins.planner import planner_names
 from workbench.web.api.fields import Field
@@ -134,6 +134,11 @@ def _row(values: Values) -> tuple[str, ...]:
 
 def _shorten(values: Values) -> Command:
     return ShortenRow(values["plan"], values["picks"])
+
+
+def _report(values: Values) -> Command:
+    result = PickResult(values["result"]) if values["result"] else None
+    return ReportPick(values["detection"], values["is_picked"], values["why"], result)
 
 
 def _watch(values: Values) -> Command:
@@ -324,7 +329,14 @@ CALLS: tuple[Call, ...] = (
             ),
             Field("is_picked", "whether it was", {"type": "boolean"}),
             Field("why", "what is known about a failure", _text(LONGEST_TEXT), ""),
+            Field(
+                "result",
+                "what became of it, where more is known than `is_picked` says",
+                {"type": "string", "enum": ["", *PickResult]},
+                "",
+            ),
         ),
+        make=_report,
     ),
     Call("/forget-avoided", "Avoid no part any more because its pick has failed.", ForgetAvoided),
     Call("/empty-pallets", "Say that what was put down has been taken away.", EmptyPallets),
@@ -381,18 +393,8 @@ CALLS: tuple[Call, ...] = (
     ),
     Call("/control/ask", "Ask for control.", AskForControl),
     Call("/control/take", "Take control.", TakeControl),
-    Call(
-        "/control/give",
-        "Hand control over to somebody who has asked.",
-        GiveControl,
-        (TO,),
-    ),
-    Call(
-        "/control/deny",
-        "Keep control, though somebody has asked.",
-        DenyControl,
-        (TO,),
-    ),
+    Call("/control/give", "Hand control over to somebody who has asked.", GiveControl, (TO,)),
+    Call("/control/deny", "Keep control, though somebody has asked.", DenyControl, (TO,)),
     Call("/control/release", "Give control back.", ReleaseControl),
 )
 """Commands that come with files or poses, and those of the page's editors, are not here."""

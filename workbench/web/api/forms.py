@@ -79,8 +79,14 @@ def state_form(state: State, live: Live) -> Form:
         "messages_sent": len(state.receipts),
         "parts_placed": state.parts_placed,
         "outcomes": [
-            {"detection": o.detection, "is_picked": o.is_picked, "by": o.by, "why": str(o.why)}
-            for o in (() if sent is None else sent.outcomes)
+            {
+                "detection": outcome.detection,
+                "is_picked": outcome.is_picked,
+                "by": outcome.by,
+                "why": str(outcome.why),
+                "result": str(outcome.became),
+            }
+            for outcome in (() if sent is None else sent.outcomes)
         ],
     }
 
@@ -273,10 +279,7 @@ def finite(value: float) -> float | None:
 
 
 def _rates(statistics: Statistics, name: str) -> Mapping[str, Form]:
-    return {
-        rate.name: {"picked": rate.picked, "failed": rate.failed}
-        for rate in statistics.rates(GROUPS[name])
-    }
+    return {rate.name: dict(rate.counts) for rate in statistics.rates(GROUPS[name])}
 
 
 def _place_form(place: Violation) -> Form:

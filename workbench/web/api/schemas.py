@@ -6,6 +6,7 @@ from typing import Any
 from workbench.app.core.state import Phase
 from workbench.formats.plans.plan_files import PLAN_FORMAT
 from workbench.model.candidate import Reason, Stage
+from workbench.model.release import PickResult
 
 Schema = Mapping[str, Any]
 
@@ -14,6 +15,7 @@ FLAG: Schema = {"type": "boolean"}
 WHOLE: Schema = {"type": "integer"}
 NUMBER: Schema = {"type": "number"}
 DIGEST: Schema = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
+RESULT: Schema = {"type": "string", "enum": [str(result) for result in PickResult]}
 PHASE: Schema = {"type": "string", "enum": [str(phase) for phase in Phase]}
 
 
@@ -135,7 +137,7 @@ STATE = record(
     approved_until=or_none(NUMBER),
     messages_sent=WHOLE,
     parts_placed=WHOLE,
-    outcomes=many(record(detection=WHOLE, is_picked=FLAG, by=TEXT, why=TEXT)),
+    outcomes=many(record(detection=WHOLE, is_picked=FLAG, by=TEXT, why=TEXT, result=RESULT)),
 )
 JOB = record(
     number=WHOLE,
@@ -294,7 +296,7 @@ STATISTICS = record(
     cycles=WHOLE,
     picked=WHOLE,
     picks_per_hour=or_none(NUMBER),
-    rates=by_name(by_name(record(picked=WHOLE, failed=WHOLE))),
+    rates=by_name(by_name(record(**{str(result): WHOLE for result in PickResult}))),
     refusals=by_name(WHOLE),
     kits=many(record(recipe=WHOLE, complete=WHOLE, incomplete=WHOLE)),
     stages=by_name(record(median=NUMBER, largest=NUMBER)),

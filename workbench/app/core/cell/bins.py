@@ -63,7 +63,7 @@ class NewBin(Command):
         )
         if self.name != state.cell.bin.name:
             return after, ()
-        after = replace(after, views_without=(), earlier=None, stirs=0)
+        after = replace(after, views_without=(), earlier=None, stirs=0, may_have_moved=None)
         if state.phase in (Phase.DONE, Phase.FAULT):
             return after, ()
         # The scan shows what lay there before.

@@ -259,6 +259,7 @@ def with_cell(state: State, cell: Cell, message: Message | str) -> Changed:
     same_view = digest_of(cell.scanner) == digest_of(state.cell.scanner)
     # What another bin holds may have been changed since the scan.
     same_view &= cell.bin.name == state.cell.bin.name
+    same_view &= not state.disturbed
     scan = state.scan if same_view and state.phase is not Phase.DONE else None
     stale = stale_by(state, difference(state.cell, cell))
     state = replace(before_a_scan(state), cell=cell, earlier=None)

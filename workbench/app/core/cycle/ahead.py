@@ -9,11 +9,12 @@ plan before there is such an end, and whatever is in doubt throws it away.  Noth
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
+from workbench.app.core.after_a_miss import is_rest_known, with_rest
 from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import standing_joints, view_problem
-from workbench.app.core.cycle.outcomes import SendingEnd, after_sending
+from workbench.app.core.cycle.outcomes import after_sending
 from workbench.app.core.cycle.parts import FindParts, check_search
-from workbench.app.core.cycle.planning import MakePlan, check_planning
+from workbench.app.core.cycle.planning import MakePlan, check_planning, make_plan
 from workbench.app.core.cycle.results import (
     from_next_bin,
     gone_on,
@@ -22,6 +23,7 @@ from workbench.app.core.cycle.results import (
 )
 from workbench.app.core.cycle.scanning import TakeScan, check_scan, take_scan
 from workbench.app.core.effects import StartJob, StopJob
+from workbench.app.core.picks import SendingEnd
 from workbench.app.core.state import Ahead, Phase, State
 from workbench.app.core.tasks import Begun
 from workbench.model.digest import LATER, digest_of
@@ -30,7 +32,7 @@ from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import AheadText, RowStop, StateText
-from workbench.model.release import PartReport
+from workbench.model.release import PartReport, PickResult
 from workbench.model.scan import Detection
 
 Ended = tuple[State, tuple[StartJob | StopJob, ...]]
@@ -39,6 +41,8 @@ Ended = tuple[State, tuple[StartJob | StopJob, ...]]
 @dataclass(frozen=True, slots=True, eq=False)
 class GoOn(Command):
     """After a finished cycle: scan, find parts and plan, each as soon as the one before is done.
+
+    After a missed grip it begins with the plan where the policy has `retry_without_scan`.
 
     It ends with a plan that waits for its approval, or earlier: with whatever needs a person, and
     when who has asked for it gives control away or has gone.  It approves and sends nothing.
@@ -74,7 +78,14 @@ class GoOn(Command):
         state = replace(state, kit=replace(state.kit, bins_without=()))
         if state.phase is Phase.SENDING:
             return asked_ahead(state, self, entry)
-        return take_scan(state, entry, self.scan, then=self)
+        return _without_scan(state, self, entry) or take_scan(state, entry, self.scan, then=self)
+
+
+def _without_scan(state: State, wanted: GoOn, entry: Entry) -> Begun | None:
+    """The planning for what is left after a missed grip; None where a scan has to come first."""
+    if not (state.cell.policy.retry_without_scan and is_rest_known(state)):
+        return None
+    return make_plan(with_rest(state), entry, wanted.plan, then=wanted)
 
 
 def asked_ahead(state: State, wanted: GoOn, entry: Entry) -> Begun:
@@ -129,7 +140,9 @@ def after_the_end(before: State, after: State, entry: Entry) -> Decision:
     if ahead is None or after.phase is Phase.SENDING:
         return after, ()
     if why := _in_doubt(before, after, entry.at):
-        return given_up(after, why)
+        after, effects = given_up(after, why)
+        begun, tasks = _without_scan(after, ahead.wanted, entry) or (after, ())
+        return begun, (*effects, *tasks)
     if not ahead.brought and before.job is None:
         begun, effects = take_scan(after, entry, ahead.wanted.scan, then=ahead.wanted)
         message = all_of((as_message(after.message), StateText.SCANNING()))
@@ -160,7 +173,9 @@ def _has_failed(state: State) -> bool:
     """Whether a pick has failed, as far as the robot or people have said."""
     reports = (receipt.part for receipt in state.receipts if receipt.part is not None)
     has_failed_part = any(part.is_picked is False for part in (*reports, *state.part_reports))
-    return has_failed_part or any(not outcome.is_picked for outcome in state.outcomes)
+    return has_failed_part or any(
+        outcome.became is not PickResult.PICKED for outcome in state.outcomes
+    )
 
 
 def _as_if_ended(state: State, at: float) -> State:

@@ -14,7 +14,7 @@ from workbench.app.core.tasks import begin_task
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText, EditText
 from workbench.model.messages.message import Message, all_of, as_message, plain
-from workbench.model.messages.refusals import ChangeRefusal
+from workbench.model.messages.refusals import ChangeRefusal, Refusal
 from workbench.model.messages.states import StateText
 from workbench.model.part import Part
 
@@ -38,6 +38,10 @@ class CorrectPart(Command):
     )
 
     part: str
+
+    @classmethod
+    def obstacle(cls, state: State) -> Message | None:
+        return Refusal.MOVED_BY_A_MISS() if state.disturbed else None
 
     def check(self, state: State, asked: Asked) -> None:
         part_of(state.cell, self.part)

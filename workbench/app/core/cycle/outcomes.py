@@ -1,15 +1,15 @@
 """What a sending brings, what became of the parts, and which are left alone for a while after."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 from workbench.app.core.cell.kits import lacks_message, with_kit_part, without_kit_part
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.people import ROBOT_LINK
+from workbench.app.core.picks import Avoided, Outcome, SendingEnd
 from workbench.app.core.state import (
-    Avoided,
-    Outcome,
     Phase,
     ScanState,
     State,
@@ -31,7 +31,7 @@ from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import NextText, StateText
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import Plan
-from workbench.model.release import PartReport
+from workbench.model.release import PartReport, PickResult, result_of
 from workbench.model.scan import Detection
 
 AVOID_SCANS = 3
@@ -39,7 +39,6 @@ AVOID_SCANS = 3
 
 
 AVOID_MINUTES = 10.0
-
 
 SAME_PLACE = 0.015
 """[m] A part found this near to where a pick has failed is taken for the same one."""
@@ -49,20 +48,12 @@ MOST_FAILURES = 3
 """Failed picks in a row that stop the cycle until somebody has looked."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SendingEnd:
-    """How a sending has ended.  `fault` is empty when the controller reported the end.
-
-    `parts` says of each part of the plan what the controller told of it; `placed` are the parts
-    that lie on pallets now, or may lie there, None as long as nobody has worked that out.
-    `row_ends` says why no plan of a row may follow, as the link or the bench knows it.
-    """
-
-    fault: Message | str = ""
-    parts_placed: int = 0
-    parts: tuple[PartReport, ...] = ()
-    placed: tuple[Detection, ...] | None = None
-    row_ends: Message | str = field(default_factory=str, metadata=LATER)
+SAID: Mapping[PickResult, StateText] = {
+    PickResult.PICKED: StateText.PICKED,
+    PickResult.FAILED: StateText.PICK_FAILED,
+    PickResult.DROPPED: StateText.PART_DROPPED,
+    PickResult.DOUBLE: StateText.TWO_PARTS,
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,7 +61,7 @@ class ReportPick(Command):
     """What became of a part of the plan, as a person saw it or a gripper felt it.
 
     `detection` is the part's index in the plan, of a row in the first one; `why` is what is known
-    about a failure.
+    about a failure.  `result` says more than `is_picked`.
     """
 
     right: ClassVar[Right] = Right(
@@ -84,6 +75,12 @@ class ReportPick(Command):
     detection: int
     is_picked: bool
     why: Message | str = ""
+    result: PickResult | None = field(default_factory=lambda: None, metadata=LATER)
+
+    @property
+    def became(self) -> PickResult:
+        """What became of the part."""
+        return result_of(self.is_picked, self.result)
 
     @classmethod
     def is_in_phase(cls, state: State) -> bool:
@@ -146,8 +143,9 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
             said = ReportPick(_in_row(state, part), part.is_picked, part.why)
             # What somebody has reported meanwhile is not counted a second time, and a person who
             # saw the part fall has seen more than the gripper felt.
-            if not (outcome_problem(state, said) or (said.is_picked and _has_failed(state, said))):
+            if not (outcome_problem(state, said) or _is_doubted(state, said.detection)):
                 state = with_outcome(state, said, ROBOT_LINK, at)
+    state = _with_doubts(state)
     placed = state.parts_placed + (0 if _goes_on(state.plan) else ended.parts_placed)
     state = replace(state, parts_placed=placed, part_reports=ended.parts, waits=0)
     if not ended.fault and not _goes_on(state.plan):
@@ -205,7 +203,7 @@ def _with_placed_in_kit(state: State, ended: SendingEnd) -> State:
     for number, arm in zip(parts_taken(first, state.plan), arms, strict=True):
         is_picked = reported.get(arm.detection)
         came = are_all_placed if is_picked is None else is_picked
-        if came and not _has_failed(state, ReportPick(number, is_picked=True)):
+        if came and not _has_failed(state, number):
             state = with_kit_part(state, first.digest, number, first.detections[number].part)
     return state
 
@@ -224,11 +222,34 @@ def _in_kit(state: State, command: ReportPick) -> State:
     return with_kit_part(state, first.digest, command.detection, part)
 
 
-def _has_failed(state: State, said: ReportPick) -> bool:
-    """Whether somebody has said that the pick of the same part has failed."""
+def _has_failed(state: State, detection: int) -> bool:
+    """Whether somebody has said that the part did not come to its place."""
     return any(
-        outcome.detection == said.detection and not outcome.is_picked for outcome in state.outcomes
+        outcome.detection == detection and not outcome.is_picked for outcome in state.outcomes
     )
+
+
+def _is_doubted(state: State, detection: int) -> bool:
+    """Whether somebody has reported something else of the part than that it was picked."""
+    return any(
+        outcome.detection == detection and outcome.became is not PickResult.PICKED
+        for outcome in state.outcomes
+    )
+
+
+def _with_doubts(state: State) -> State:
+    """The state in which the place of each part is in doubt that was not just picked."""
+    sent = sent_for(state)
+    doubted = [
+        sent.plans[0].detections[outcome.detection]
+        for outcome in (() if sent is None else sent.outcomes)
+        if sent is not None and outcome.became is not PickResult.PICKED
+    ]
+    placed = tuple(
+        _doubt(part) if any(_was(part, found) for found in doubted) else part
+        for part in state.placed
+    )
+    return replace(state, placed=placed)
 
 
 def _doubt(placed: Detection) -> Detection:
@@ -273,11 +294,13 @@ def outcome_problem(state: State, command: ReportPick) -> Message | None:
         return Refusal.NOTHING_PICKED()
     if command.is_picked not in (True, False):
         return Refusal.NO_OUTCOME(value=repr(command.is_picked))
+    if command.became.is_picked != command.is_picked:
+        return Refusal.OTHER_RESULT(result=command.became, is_picked=str(command.is_picked).lower())
     taken = [number for number, _ in parts_sent_for(state)]
     if command.detection not in taken:
         return Refusal.OTHER_PARTS(parts=tuple(map(FoundPart, taken)))
     for outcome in sent.outcomes:
-        if (outcome.detection, outcome.is_picked) == (command.detection, command.is_picked):
+        if (outcome.detection, outcome.became) == (command.detection, command.became):
             return Refusal.SAID_ALREADY(person=outcome.by)
     return None
 
@@ -297,7 +320,7 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
     if sent is None:
         return state
     detection = sent.plans[0].detections[command.detection]
-    outcome = Outcome(command.detection, command.is_picked, actor, command.why)
+    outcome = Outcome(command.detection, command.is_picked, actor, command.why, command.result)
     others = tuple(earlier for earlier in sent.outcomes if earlier.detection != command.detection)
     said_of = {"outcomes": (*others, outcome)}
     if is_remembered(state):
@@ -310,14 +333,8 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
         message=_outcome_message(command, actor),
         **said_of,
     )
+    state = _with_doubts(state)
     if not command.is_picked:
-        state = replace(
-            state,
-            placed=tuple(
-                _doubt(placed_part) if _was(placed_part, detection) else placed_part
-                for placed_part in state.placed
-            ),
-        )
         # Another bin may have been chosen since.
         box = bin_around(state.cell, detection.T_world_part.translation)
         x, y, z = box.T_world_bin.actInv(detection.T_world_part.translation)
@@ -329,11 +346,7 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
 
 
 def _outcome_message(command: ReportPick, actor: str) -> Message:
-    part = FoundPart(command.detection)
-    if command.is_picked:
-        said = StateText.PICKED(part=part, person=actor)
-    else:
-        said = StateText.PICK_FAILED(part=part, person=actor)
+    said = SAID[command.became](part=FoundPart(command.detection), person=actor)
     return StateText.SINCE(what=said, why=command.why) if command.why else said
 
 

@@ -46,6 +46,10 @@ class FindParts(Command):
     overrides: SearchOverrides = field(default_factory=SearchOverrides, metadata=called("wishes"))
     is_compared: bool = field(default_factory=bool, metadata=LATER)
 
+    @classmethod
+    def obstacle(cls, state: State) -> Message | None:
+        return Refusal.MOVED_BY_A_MISS() if state.disturbed else None
+
     def check(self, state: State, asked: Asked) -> None:
         check_search(self)
         if state.scan is None:

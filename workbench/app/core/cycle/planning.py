@@ -1,8 +1,9 @@
 """Plans: asked for, compared, and the threshold that a person wants."""
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from workbench.app.core.after_a_miss import is_rest_known, with_rest
 from workbench.app.core.cell.bins import with_contents
 from workbench.app.core.cell.kits import kit_problem, lacks_message
 from workbench.app.core.cell.views import next_view_message, with_nothing_seen
@@ -44,7 +45,7 @@ class MakePlan(Command):
     """Judge all candidates, plan and prove.
 
     `strategy`: one of `strategies_of` the cell; empty: that of the recipe, or `auto`.  `threshold`
-    [m]; None: the cell's.
+    [m]; None: the cell's.  After a missed grip it is for the parts that are left in the same scan.
     """
 
     right: ClassVar[Right] = Right(
@@ -57,6 +58,10 @@ class MakePlan(Command):
     overrides: PlanOverrides = field(default_factory=PlanOverrides, metadata=called("wishes"))
 
     @classmethod
+    def is_in_phase(cls, state: State) -> bool:
+        return state.phase in cls.right.phases or is_rest_known(state)
+
+    @classmethod
     def obstacle(cls, state: State) -> Message | None:
         is_to_view = state.plan is not None and state.plan.is_view_plan
         return Refusal.NO_PARTS() if is_to_view else None
@@ -67,7 +72,7 @@ class MakePlan(Command):
         refuse(scan_problem(state.cell, state.scan, joints) or kit_problem(state))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return make_plan(state, entry, self)
+        return make_plan(with_rest(state) if state.phase is Phase.DONE else state, entry, self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,7 +115,7 @@ def make_plan(state: State, entry: Entry, command: MakePlan, then: "GoOn | None"
     strategy, threshold = command.strategy or strategy_of(state.cell), command.threshold
     if threshold is None:
         threshold = state.cell.policy.threshold
-    arguments = {
+    arguments: dict[str, Any] = {
         "detections": state.detections,
         "scan_digest": state.scene_digest,
         "scan": state.scan,
@@ -122,6 +127,8 @@ def make_plan(state: State, entry: Entry, command: MakePlan, then: "GoOn | None"
         "wanted": wanted_parts(state.cell, state.kit.counts),
         "seed": command.seed,
     }
+    if state.disturbed:
+        arguments["disturbed"] = state.disturbed
     state = replace(state, wanted_threshold=threshold)
     about = {
         "strategy": strategy,
@@ -141,8 +148,9 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         result: what the planning brought; a plan whose proof does not hold is shown, too.
         job: that has ended with it.
     """
-    # More time may bring a plan.
+    # More time may bring a plan, or a look at what a missed grip has moved.
     is_over = result.plan is None and result.verdict.reason is not Reason.OUT_OF_TIME
+    is_over = is_over and not state.disturbed
     state = with_nothing_seen(state) if is_over else state
     if result.plan is None:
         phase = Phase.LOCALIZED

@@ -122,6 +122,8 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
             if problem := kit_problem(after):
                 return _without_kit_part(replace(after, message=problem), entry, job.then)
             return make_plan(after, entry, job.then.plan, then=job.then)
+        case "plan", _ if after.disturbed and after.plan is None:
+            return take_scan(after, entry, job.then.scan, then=job.then)
         case "localize" | "plan", _ if is_nothing_taken(after) and next_view(after):
             return _from_view(next_view(after), after, entry, job.then)
         case "plan", _ if is_nothing_taken(after) and may_stir(after):

@@ -5,9 +5,9 @@ from typing import ClassVar
 
 from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.approval import explain_unwalked, staleness
-from workbench.app.core.cycle.outcomes import SendingEnd
 from workbench.app.core.cycle.standing import left_on_station, stale_because
 from workbench.app.core.effects import Send
+from workbench.app.core.picks import SendingEnd
 from workbench.app.core.state import Phase, State, without_approval
 from workbench.app.core.value_checks import check_integer, named_plan
 from workbench.model.cell import MOST_PICKS
@@ -16,7 +16,7 @@ from workbench.model.messages.message import FoundPart, Message, Others, all_of,
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import RowStop, StateText
 from workbench.model.plan import Plan, Proven
-from workbench.model.release import Approval
+from workbench.model.release import Approval, PickResult
 
 Followed = tuple[State, tuple[Send, ...]]
 
@@ -159,6 +159,8 @@ def _ends_because(
             return RowStop.NOT_PICKED(arm=part.arm)
     for said in after.outcomes:
         # A person has seen more than the gripper felt.
+        if said.became is PickResult.DOUBLE:
+            return RowStop.TWO_PARTS(part=FoundPart(said.detection), person=said.by)
         if not said.is_picked:
             return RowStop.PERSON_SAYS(part=FoundPart(said.detection), person=said.by)
     if approval is None or approval.proof_digest != proven_plan.proof.digest:

@@ -12,7 +12,8 @@ from workbench.app.core.cycle.arm_scanner import (
     view_problem,
 )
 from workbench.app.core.people import Role
-from workbench.app.core.state import Avoided, Phase, ScanState, State, begin_stage, stale_by
+from workbench.app.core.picks import Avoided
+from workbench.app.core.state import Phase, ScanState, State, begin_stage, stale_by
 from workbench.app.core.tasks import Begun, begin_task
 from workbench.app.core.value_checks import (
     MOST_OBSERVATIONS,

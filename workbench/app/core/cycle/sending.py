@@ -3,13 +3,15 @@
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
+from workbench.app.core.after_a_miss import with_end
 from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.ahead import after_the_end, begun_ahead, given_up
 from workbench.app.core.cycle.approval import explain_unwalked, staleness
-from workbench.app.core.cycle.outcomes import SendingEnd, after_sending
+from workbench.app.core.cycle.outcomes import after_sending
 from workbench.app.core.cycle.rows import following, unapproved_row, with_next_plan
 from workbench.app.core.cycle.standing import lacks_reports, stale_because
 from workbench.app.core.effects import LetStep, Send, StopSending
+from workbench.app.core.picks import SendingEnd
 from workbench.app.core.rights import changes_said
 from workbench.app.core.state import Phase, RunState, State, begin_stage, row_message
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, named_plan
@@ -118,6 +120,7 @@ class LinkEnded(SendingEnd, Command):
     def apply(self, state: State, entry: Entry) -> Decision:
         after = after_sending(state, self, entry.at)
         after, sends = with_next_plan(state, after, self, entry)
+        after = with_end(state, after, self)
         after, effects = after_the_end(state, after, entry)
         return after, (*sends, *effects)
 

@@ -1,0 +1,73 @@
+"""What was sent, how that has ended, what became of each part, and which parts are avoided."""
+
+from dataclasses import dataclass, field
+
+from workbench.model.digest import LATER
+from workbench.model.messages.message import Message
+from workbench.model.plan import Plan
+from workbench.model.release import PartReport, PickResult, result_of
+from workbench.model.scan import Detection
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """What became of a part of the plan, and who says so; `detection` is its index there.
+
+    `result` says more than `is_picked`; None where nobody has said more.
+    """
+
+    detection: int
+    is_picked: bool
+    by: str
+    why: Message | str = ""
+    result: PickResult | None = field(default_factory=lambda: None, metadata=LATER)
+
+    @property
+    def became(self) -> PickResult:
+        """What became of the part."""
+        return result_of(self.is_picked, self.result)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Avoided:
+    """Where a pick has failed: a part of that kind there is left alone for a while.
+
+    `p_bin` (3,) [m] in the frame of the bin of name `bin`; it ends at `until` [s since the epoch],
+    or earlier, when `scans` more scans of that bin were taken.
+    """
+
+    part: str
+    p_bin: tuple[float, float, float]
+    until: float
+    scans: int
+    why: Message | str = ""
+    bin: str = field(default_factory=str, metadata=LATER)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SentFor:
+    """The plans that were sent, in order, and what people and grippers said of their parts.
+
+    Each outcome names its part by the index in the first plan.
+    """
+
+    plans: tuple[Plan, ...]
+    outcomes: tuple[Outcome, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SendingEnd:
+    """How a sending has ended.  `fault` is empty when the controller reported the end.
+
+    `parts` says of each part of the plan what the controller told of it; `placed` are the parts
+    that lie on pallets now, or may lie there, None as long as nobody has worked that out.
+    `row_ends` says why no plan of a row may follow, as the link or the bench knows it.
+    `may_have_moved` as in `State`, None as long as nobody has worked that out.
+    """
+
+    fault: Message | str = ""
+    parts_placed: int = 0
+    parts: tuple[PartReport, ...] = ()
+    placed: tuple[Detection, ...] | None = None
+    row_ends: Message | str = field(default_factory=str, metadata=LATER)
+    may_have_moved: tuple[int, ...] | None = field(default_factory=lambda: None, metadata=LATER)
