@@ -46,7 +46,9 @@ def test_groups_are_as_far_apart_as_their_nearest_shapes(name):
             for solid, shift in zip(solids, shifts, strict=True)
         ]
         far, at = group_distance(one, T, shifts, other)
-        assert far == pytest.approx(min(each), abs=1e-9) and each[at] == pytest.approx(far)
+        # How deep things are is found by iterations.
+        off = 1e-9 if far > 0 else 1e-6
+        assert far == pytest.approx(min(each), abs=off) and each[at] == pytest.approx(far, abs=off)
 
 
 def hull_of(points, pieces=()):

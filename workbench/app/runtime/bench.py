@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
@@ -10,7 +10,7 @@ from typing import Protocol
 from workbench.app.core.command import Command, Entry
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
-from workbench.app.core.cycle.empty_hand import PlanView
+from workbench.app.core.cycle.empty_hand import PlanStir, PlanView
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import SightPlate, TakeScan, UseScan
@@ -56,6 +56,15 @@ class Effects(Protocol):
     def close(self) -> None:
         """End everything; the robot first."""
         ...
+
+
+FROM_A_VIEW = (
+    TakeScan, UseScan, SightPlate, ScanBalls, GoOn, JobEnded, MakePlan, PlanView, PlanStir,
+)  # fmt: skip
+"""Commands for which it counts whether a scanner on an arm is at its view."""
+
+STOP_WAITS = 0.02
+"""[s] For the lock before a stop acts."""
 
 
 class Bench:
@@ -151,9 +160,22 @@ class Bench:
         # Looked at before anything is made of its content, which may be anything.
         check_allowed(self._state, command, actor, self._now(), joints, role)
         check_installed(self._state, command)
-        if isinstance(command, Stop):
-            # Another command, or a disk that hangs, may hold the lock; below it is done once more.
+        if not isinstance(command, Stop):
+            return self._carry_out(command, actor, role, joints)
+        # It acts first: the lock may be held by another command, or for a disk that hangs.  Where
+        # the lock is free, the end that the stop brings is recorded after it.
+        is_held = self._changed.acquire(timeout=STOP_WAITS)
+        try:
             self._run((StopSending(),))
+            return self._carry_out(command, actor, role, joints)
+        finally:
+            if is_held:
+                self._changed.release()
+
+    def _carry_out(
+        self, command: Command, actor: str, role: Role, joints: Mapping[str, float]
+    ) -> State:
+        """Record a command and let it act; see `do`."""
         command = with_facts(self._state, command)
         # A scan takes a while to become bytes, and to reach the disk: nobody else waits for that,
         # least of all a stop.
@@ -200,7 +222,15 @@ class Bench:
         """
         if self._state.cell.scanner.on_arm is not None and isinstance(
             command,
-            TakeScan | UseScan | SightPlate | ScanBalls | GoOn | JobEnded | MakePlan | PlanView,
+            TakeScan
+            | UseScan
+            | SightPlate
+            | ScanBalls
+            | GoOn
+            | JobEnded
+            | MakePlan
+            | PlanView
+            | PlanStir,
         ):
             return True
         if isinstance(command, LinkEnded):

@@ -71,7 +71,7 @@ class PlanStir(Command):
 
     def check(self, state: State, asked: Asked) -> None:
         check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
-        refuse(stir_refusal(state))
+        refuse(Refusal.MOVED_BY_A_MISS() if state.disturbed else stir_refusal(state))
         refuse(scan_problem(state.cell, state.scan, standing_joints(state.cell, asked.joints)))
 
     def apply(self, state: State, entry: Entry) -> Decision:
