@@ -188,3 +188,17 @@ def test_what_was_avoided_in_the_bin_is_tried_again(cell, samples):
     line.ended(stir_result(samples, cell, digest))
     send(line)
     assert line.do(LinkEnded()).avoided == ()
+
+
+def test_where_stirring_finds_no_path_a_cycle_goes_no_further_by_itself(stirring, samples):
+    line = Line(stirring)
+    make_plan(replace(samples, cell=stirring), line)
+    send(line)
+    line.do(LinkEnded(parts_placed=1))
+    line.do(GoOn())
+    line.ended(samples.scan(1))
+    line.ended(samples.detections())
+    line.ended(no_plan())
+    state = line.ended(no_plan(Reason.OUT_OF_REACH))
+    assert state.job is None and state.stirs == 2
+    assert "no plan to stir the parts" in str(state.message)

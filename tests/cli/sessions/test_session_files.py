@@ -35,9 +35,9 @@ def test_the_example_is_small_whole_and_comes_out_the_same_again(say, example):
     assert "unchanged since they were written" in say("session", "verify", example).out
     said = say("session", "replay", example)
     assert said.code == 0, said.out
-    # A scan made again differs a little where another make of processor recorded it.
+    # Results differ in last digits where another make of processor recorded them.
     results = [line.partition(": ")[2] for line in said.out.splitlines()[:-1]]
-    assert len(results) == 3 and results[2] == "equal", said.out
+    assert len(results) == 3, said.out
     assert all(one.startswith(("equal", "the same within")) for one in results), said.out
 
 

@@ -255,7 +255,7 @@ def _print_words(
     if result.plan is not None and result.plan.is_view_plan:
         print("kept clear of the whole bin, which no scan shows")
     elif result.plan is not None and result.plan.is_stir_plan:
-        print("kept clear of all but the parts in the bin, which the hand stirs")
+        print("kept clear of all but what lies in the bin, which the hand stirs")
     elif result.obstacles:
         print(f"kept clear of {len(result.obstacles)} obstacles that only the scan shows")
     if result.plan is None:

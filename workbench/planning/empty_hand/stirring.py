@@ -44,8 +44,9 @@ TURNS = np.deg2rad([0.0, 90.0, 45.0, 135.0, 180.0, 270.0])
 HALVES = ((-1.0, 1.0), (0.0, 1.0), (-1.0, 0.0))
 """Along the bin's width from its middle: all of it, then what one arm may reach."""
 
-LEAST_RING = 0.03
-"""[m] Between two rings, where parts are smaller."""
+LEAST_RING, MOST_RINGS = 0.03, 6
+"""[m] Between two rings, where parts are smaller; and how many a large bin has: a controller has
+room for some hundred waypoints."""
 
 POINT_STEP = 0.05
 """[m] From waypoint to waypoint."""
@@ -113,7 +114,8 @@ def stir_opening(cell: Cell, arm: Arm) -> float:
 def _rings(cell: Cell, scene: Scene) -> Iterator[_Rings]:
     """What is tried: the whole bin before its halves, near walls and floor before far off."""
     sizes = [np.ptp(part.mesh.points, axis=0) for part in cell.parts]
-    apart = max(max(float(np.linalg.norm(size)) for size in sizes) / 2, LEAST_RING)
+    longest, narrow = max(np.linalg.norm(size) for size in sizes), min(cell.bin.size[:2])
+    apart = float(max(longest / 2, LEAST_RING, narrow / (2 * MOST_RINGS)))
     best = min(min(float(size.min()) for size in sizes) + OVER_FLAT, HIGHEST)
     for half, inset, height, turn in product(HALVES, INSETS, HEIGHTS, TURNS):
         low, high = np.array([-0.5, half[0] / 2]), np.array([0.5, half[1] / 2])

@@ -102,10 +102,14 @@ def plan_stir(state: State, entry: Entry, seed: int, then: "GoOn | None" = None)
 
 
 def with_stir_plan(state: State, result: PlanResult) -> State:
-    """The state after stirring was planned; the verdicts on the parts stay."""
-    plan, proof = result.plan, result.proof
+    """The state after stirring was planned; the verdicts on the parts stay.
+
+    Without a plan no further one is asked for by itself.
+    """
+    plan, proof, most = result.plan, result.proof, state.cell.policy.stirs
     if plan is None or proof is None:
-        return replace(state, message=StateText.NO_STIR(verdict=result.verdict.message))
+        message = StateText.NO_STIR(verdict=result.verdict.message)
+        return replace(state, stirs=most, message=message)
     message = StateText.STIR_PLANNED(
         arm=plan.strategy.arm,
         cycle=plan.cycle_seconds,

@@ -128,6 +128,8 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
             return _from_view(next_view(after), after, entry, job.then)
         case "plan", _ if is_nothing_taken(after) and may_stir(after):
             return _stir(after, entry, job.then)
+        case "stir", _ if after.plan is None and kit_problem(after):
+            return _without_kit_part(after, entry, job.then)
         case _ if is_exhausted(after) and before.phase is not Phase.SENDING:
             return from_next_bin(after, entry, job.then)
         case "scan" | "localize", _:
