@@ -1,6 +1,6 @@
 """A hand that stirs the parts in the bin, planned and proven: for parts that nothing can take."""
 
-from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.app.empty_hand.proving import proven
 from workbench.model.cell import Cell
 from workbench.model.messages.work import ProgressText
 from workbench.model.plan import PlanResult
@@ -9,7 +9,6 @@ from workbench.planning.collision.world import World
 from workbench.planning.empty_hand.stirring import route_stir
 from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.progress import Report, silent
-from workbench.proof.claims.prove import prove
 from workbench.proof.claims.stirring import content_of
 
 
@@ -30,11 +29,4 @@ def plan_stir(cell: Cell, scene: Scene, *, seed: int = 0, report: Report = silen
     world.deadline = processor_time() + cell.policy.seconds
     report(0.1, ProgressText.MOTION())
     found = route_stir(world, content.top, scene, seed=seed)
-    routed = working_time()
-    if isinstance(found, Verdict):
-        plan, proof, verdict = None, None, found
-    else:
-        report(0.9, ProgressText.PROOF())
-        plan, proof, verdict = found, prove(cell, scene, found), Verdict(Reason.OK, Stage.ROUTE)
-    seconds = {"route": routed - began, "prove": working_time() - routed}
-    return PlanResult((), plan, proof, verdict, seconds, scene.obstacles, world.policy.planner)
+    return proven(world, scene, found, began, report)

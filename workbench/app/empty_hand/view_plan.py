@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from workbench.app.core.cycle.arm_scanner import view_named
-from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.app.empty_hand.proving import proven
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused
@@ -16,7 +16,6 @@ from workbench.planning.collision.world import World
 from workbench.planning.empty_hand.view_path import route_view
 from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.progress import Report, silent
-from workbench.proof.claims.prove import prove
 from workbench.proof.claims.scene import unseen_bin
 
 
@@ -55,12 +54,4 @@ def plan_view(
         raise CommandRefused(Refusal.OTHER_START(start=f"{start!r:.60}", known=known))
     between = (carrier.view.q, carrier.home) if view == HOME else (begin, carrier.view.q)
     found = route_view(world, carrier.arm, between, scan_digest=scene.scan_digest, seed=seed)
-    routed = working_time()
-    if isinstance(found, Verdict):
-        plan, proof, verdict = None, None, found
-    else:
-        report(0.9, ProgressText.PROOF())
-        plan, proof, verdict = found, prove(cell, scene, found), Verdict(Reason.OK, Stage.ROUTE)
-    seconds = {"route": routed - began, "prove": working_time() - routed}
-    planner = world.policy.planner
-    return PlanResult((), plan, proof, verdict, seconds, scene.obstacles, planner)
+    return proven(world, scene, found, began, report)
