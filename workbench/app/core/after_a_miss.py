@@ -1,7 +1,7 @@
 """After a grip that closed on nothing: whether the other parts of the same scan can be planned for.
 
-Where the robot itself reports the miss and nothing else is in doubt, only the missed part and its
-heap may lie otherwise.  These parts are obstacles then, and no detections.
+Where the robot itself reports the miss and nothing else is in doubt, only the missed part, and what
+it may have fallen onto, lie otherwise.  These parts are obstacles then, and no detections.
 """
 
 from dataclasses import replace
@@ -23,7 +23,7 @@ def is_sure(state: State, ended: SendingEnd) -> bool:
         ended: what the link reports of the end.
     """
     plan, cell = state.plan, state.cell
-    if plan is None or plan.is_view_plan or ended.fault or ended.row_ends or state.stopped_by:
+    if plan is None or not plan.picks or ended.fault or ended.row_ends or state.stopped_by:
         return False
     # Parts from outside, and scans of a scanner on an arm, belong to one moment.
     is_scanned = state.scan is not None and state.scene_digest == state.scan.digest
@@ -72,7 +72,7 @@ def is_rest_known(state: State) -> bool:
 
 
 def with_rest(state: State) -> State:
-    """The state with the parts that surely lie as scanned; the others are in the way somewhere."""
+    """The state with the parts that lie as scanned; the others are in the way somewhere."""
     if state.plan is None or state.may_have_moved is None:
         return state
     picked = {part.detection for part in state.part_reports if part.is_picked}

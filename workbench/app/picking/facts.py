@@ -65,7 +65,8 @@ def with_facts(state: State, command: Command) -> Command:
             command = replace(command, placed=put_down(state.cell, state.plan))
         if command.may_have_moved is None and is_sure(state, command):
             grasped = [arm.detection for arm in state.plan.picks]
-            moved = moved_parts(state.cell, state.plan.detections, grasped)
+            parts, disturbed = state.plan.detections, state.disturbed
+            moved = moved_parts(state.cell, parts, grasped, disturbed)
             command = replace(command, may_have_moved=moved and tuple(sorted(moved)))
         return command
     if isinstance(command, GoOn) and state.phase is Phase.SENDING and command.sees_from is None:

@@ -1,51 +1,72 @@
 """Parts that may lie otherwise since a grip has missed, and the room that such a part may fill."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from itertools import product
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
+from workbench.model.geometry import Box, Floats, Shape
+from workbench.model.part import Part
 from workbench.model.scan import Detection, Obstacle
-from workbench.model.symmetry import BALL, ROUND
 from workbench.proof.claims.scene import turned_pieces
 from workbench.proof.engine.shapes import gap_of
 
 UP = np.array([0.0, 0.0, 1.0])
 
 STANDS = np.deg2rad(45.0)
-"""[rad] A round part whose axis leans by more than this from upright may roll."""
+"""[rad] A part that is round about an axis rolls where that leans by more than this."""
+
+ROUND = 0.8
+"""From narrowest to widest: what is rounder seen along an axis may roll about it; a hexagon has
+0.87, a square 0.71."""
+
+FLAT = 0.5
+"""A part that is lower than this share of its width stays on its face when it is pushed."""
+
+DIRECTIONS = 36
+"""In which a width is measured, over half a turn."""
+
+Placed = tuple[Shape, pin.SE3]
 
 
 def moved_parts(
-    cell: Cell, parts: Sequence[Detection], grasped: Collection[int]
+    cell: Cell,
+    parts: Sequence[Detection],
+    grasped: Collection[int],
+    disturbed: Sequence[Detection] = (),
 ) -> frozenset[int] | None:
-    """The parts that may lie otherwise after grips at some of them: all parts of their heaps.
+    """The parts that may lie otherwise after grips at some of them.
 
-    Parts nearer to each other than the policy's `pair_gap` are of one heap.
+    A part does that lies nearer than the policy's `pair_gap` to the room of another one that does
+    (`room_of_moved`): that may have fallen onto it.
 
     Args:
         cell: with the policy.
         parts: in the bin.
-        grasped: indices of those that the hands have closed on, or beside.
+        grasped: indices of those that the hands have closed on.
+        disturbed: parts that grips before may have moved, as they were found.
 
     Returns:
-        Indices, those of `grasped` among them; None where one of the parts may have rolled
-        farther than `room_of_moved` holds it.
+        Indices, those of `grasped` among them; None where one of the parts may have rolled farther
+        than `room_of_moved` holds it, or have pushed a disturbed one out of its room.
     """
     moved, last = set(grasped), list(grasped)
     while last:
-        number = last.pop()
+        room = [[_room(cell, parts[last.pop()])]]
         near = [
             other
             for other in range(len(parts))
-            if other not in moved and _gap(cell, parts[number], parts[other]) < cell.policy.pair_gap
+            if other not in moved and _is_near(cell, room, _pieces(cell, parts[other]))
         ]
         moved.update(near)
         last += near
-    if any(_may_roll(cell, parts[number]) for number in moved):
-        return None
+    rooms = [[_room(cell, found)] for found in disturbed]
+    for number in sorted(moved):
+        mine = [[_room(cell, parts[number])]]
+        if _may_roll(cell, parts[number]) or any(_is_near(cell, mine, [r]) for r in rooms):
+            return None
     return frozenset(moved)
 
 
@@ -63,7 +84,7 @@ def room_of_moved(cell: Cell, found: Detection) -> Obstacle:
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = float(np.linalg.norm(points - middle, axis=1).max())
     heights = (points - middle) @ T.rotation[2]
-    # A flat part that stands on its edge is beside its place by its radius, and as wide as before.
+    # A flat part that falls off its edge lies a radius from its place, and is as wide as before.
     aside = np.sqrt(2) * radius + float(np.ptp(heights)) + cell.policy.pair_gap
     above = 2 * radius + float(heights.min()) + cell.policy.pair_gap
     centre = T.act(middle)
@@ -72,17 +93,53 @@ def room_of_moved(cell: Cell, found: Detection) -> Obstacle:
     return Obstacle(pin.SE3(np.eye(3), centre), size)
 
 
-def _gap(cell: Cell, first: Detection, second: Detection) -> float:
-    """[m] between two parts; at least `pair_gap` where they are farther apart."""
-    here, there = (turned_pieces(cell.part(found.part), found) for found in (first, second))
-    pairs = (product(piece, other) for piece, other in product(here, there))
-    return min(gap_of(a, b, cell.policy.pair_gap) for pair in pairs for a, b in pair)
+def _room(cell: Cell, found: Detection) -> Placed:
+    room = room_of_moved(cell, found)
+    return Box(room.size), room.T_world_box
+
+
+def _pieces(cell: Cell, found: Detection) -> list[list[Placed]]:
+    """Each piece of a part as it may lie: once, or at several turns."""
+    return turned_pieces(cell.part(found.part), found)
+
+
+def _is_near(cell: Cell, first: list[list[Placed]], second: list[list[Placed]]) -> bool:
+    """Whether two things come nearer to each other than the policy's `pair_gap`."""
+    gap = cell.policy.pair_gap
+    return any(
+        gap_of(a, b, gap) < gap
+        for piece, other in product(first, second)
+        for a, b in product(piece, other)
+    )
 
 
 def _may_roll(cell: Cell, found: Detection) -> bool:
-    """Whether a part is round and does not stand on its end."""
-    symmetry = cell.part(found.part).symmetry
-    if not found.roll_known or symmetry.form == BALL:
+    """Whether a part may roll: round about an axis that lies, or may come to lie.
+
+    A part that stands on its end falls over and rolls then, unless it is flat.
+    """
+    part = cell.part(found.part)
+    if not found.roll_known:
         return True
-    axis = found.T_world_part.rotation @ symmetry.axes[0].axis if symmetry.form == ROUND else UP
-    return abs(float(axis @ UP)) < np.cos(STANDS)
+    for axis, width, length in _round_axes(part):
+        stands = abs(float(found.T_world_part.rotation[2] @ axis)) >= np.cos(STANDS)
+        if not stands or length >= FLAT * width:
+            return True
+    return False
+
+
+def _round_axes(part: Part) -> Iterator[tuple[Floats, float, float]]:
+    """Axes (3,) about which a part is round, with its width across and its length along each [m].
+
+    Those of its frame, of its symmetry and of the spread of its points are looked along.
+    """
+    points = np.asarray(part.mesh.points)
+    _, spread = np.linalg.eigh(np.cov(points.T))
+    stated = [known.axis for known in part.symmetry.axes]
+    for axis in (*np.eye(3), *spread.T, *stated):
+        _, _, across = np.linalg.svd(np.asarray(axis)[None])
+        angles = np.linspace(0.0, np.pi, DIRECTIONS, endpoint=False)
+        ways = np.column_stack([np.cos(angles), np.sin(angles)]) @ across[1:]
+        widths = np.ptp(points @ ways.T, axis=0)
+        if widths.min() >= ROUND * widths.max():
+            yield np.asarray(axis), float(widths.max()), float(np.ptp(points @ axis))
