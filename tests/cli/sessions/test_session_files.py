@@ -35,9 +35,11 @@ def test_the_example_is_small_whole_and_comes_out_the_same_again(say, example):
     assert "unchanged since they were written" in say("session", "verify", example).out
     said = say("session", "replay", example)
     assert said.code == 0, said.out
-    # Results differ in last digits where another make of processor recorded them.
+    # A scan made again differs a little where another make of processor recorded it.
     results = [line.partition(": ")[2] for line in said.out.splitlines()[:-1]]
     assert len(results) == 3, said.out
+    # Where somebody has set other instructions than the workbench takes, last digits differ.
+    assert results[2] == "equal" or os.environ["OPENBLAS_CORETYPE"] != "Nehalem", said.out
     assert all(one.startswith(("equal", "the same within")) for one in results), said.out
 
 

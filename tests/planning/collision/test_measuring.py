@@ -1,5 +1,7 @@
 """Distances of groups of shapes: those of their pairs, measured one by one."""
 
+import os
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -46,8 +48,9 @@ def test_groups_are_as_far_apart_as_their_nearest_shapes(name):
             for solid, shift in zip(solids, shifts, strict=True)
         ]
         far, at = group_distance(one, T, shifts, other)
-        # How deep things are is found by iterations.
-        off = 1e-9 if far > 0 else 1e-6
+        # How deep things are is found by iterations, whose last digits other instructions change.
+        is_usual = os.environ["OPENBLAS_CORETYPE"] == "Nehalem"
+        off = 1e-9 if far > 0 or is_usual else 1e-6
         assert far == pytest.approx(min(each), abs=off) and each[at] == pytest.approx(far, abs=off)
 
 
