@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from line import Line, make_plan, refused
 
@@ -22,6 +23,7 @@ from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.states import StateText
+from workbench.model.plan import PlanResult
 from workbench.model.recipes.kit import KitItem, KitPart, KitProgress
 from workbench.model.recipes.recipe import Recipe
 from workbench.model.release import PartReport, Receipt
@@ -248,3 +250,61 @@ def test_a_complete_kit_chooses_no_bin(for_a_kit, samples):
     state = line.ended(samples.detections())
     assert (state.cell.bin.name, state.job) == ("right", None)
     assert "the kit is complete" in str(state.message)
+
+
+@pytest.fixture
+def stirs_for_a_kit(for_a_kit) -> Line:
+    """The same where the cell's rule is to stir once before the next bin."""
+    state = for_a_kit.state
+    motion = replace(state.cell.controller.motion, takes_share=True)
+    controller = replace(state.cell.controller, motion=motion)
+    wide = replace(state.cell.bin, size=np.array([4.0, 4.0, 0.2]))
+    policy = replace(state.cell.policy, stirs=1)
+    cell = replace(state.cell, bin=wide, controller=controller, policy=policy)
+    for_a_kit.state = replace(state, cell=cell, whole=replace(cell, recipe=0))
+    return for_a_kit
+
+
+def nothing_stirs() -> PlanResult:
+    return PlanResult((), None, None, Verdict(Reason.OUT_OF_REACH, Stage.ROUTE), {})
+
+
+def test_what_the_kit_lacks_is_stirred_for_before_the_next_bin(stirs_for_a_kit, samples):
+    line = stirs_for_a_kit
+    line.do(GoOn())
+    line.ended(samples.scan())
+    state = line.ended(samples.detections())
+    assert (state.cell.bin.name, state.job.name) == ("right", "stir")
+    state = line.ended(nothing_stirs())
+    assert (state.cell.bin.name, state.job.name) == ("left", "scan")
+
+
+def test_a_stirring_whose_task_fails_begins_no_other_for_the_kit(stirs_for_a_kit, samples):
+    line = stirs_for_a_kit
+    line.do(GoOn())
+    line.ended(samples.scan())
+    line.ended(samples.detections())
+    state = line.ended(InputError("the worker has ended"))
+    assert (state.cell.bin.name, state.job) == ("right", None)
+    assert str(state.message).endswith("no further cycle starts")
+
+
+@pytest.mark.parametrize("stirs", [0, 1])
+def test_while_a_plan_is_sent_no_other_bin_is_chosen_for_the_kit(
+    sending, samples, stirs_for_a_kit, stirs
+):
+    line, known = sending, stirs_for_a_kit.state
+    cell = replace(known.cell, policy=replace(known.cell.policy, stirs=stirs))
+    whole = replace(cell, recipe=0)
+    sent = replace(line.state, phase=Phase.SENDING, cell=cell, whole=whole, kit=known.kit)
+    line.state = replace(sent, part_reports=(), outcomes=(), ahead=None, message="")
+    line.do(GoOn(sees_from=2, placed=()))
+    line.do(Sent(Receipt(line.now, "", "heard", "", 4, 4, "state", None, step=2)))
+    line.effects.clear()
+    line.ended(samples.scan())
+    state = line.ended(samples.detections())
+    if stirs:
+        assert state.job is not None and state.job.name == "stir"
+        state = line.ended(nothing_stirs())
+    assert (state.phase, state.cell.bin.name, state.job) == (Phase.SENDING, "right", None)
+    assert not any(isinstance(effect, UseCell) for effect in line.effects)

@@ -13,12 +13,14 @@ from workbench.app.core.cycle.empty_hand import PlanStir
 from workbench.app.core.cycle.outcomes import ReportPick
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.results import is_failure
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import StartJob
 from workbench.app.core.state import Phase
 from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.model.errors import InputError
 from workbench.model.plan import NO_PART, Leg, PlanResult, Step
 
 
@@ -31,7 +33,8 @@ def cell(make_cell):
     """A cell whose robot link sends times."""
     made = make_cell()
     motion = replace(made.controller.motion, takes_share=True)
-    return replace(made, controller=replace(made.controller, motion=motion))
+    wide = replace(made.bin, size=np.array([4.0, 4.0, 0.2]))
+    return replace(made, bin=wide, controller=replace(made.controller, motion=motion))
 
 
 @pytest.fixture
@@ -103,6 +106,12 @@ def test_without_parts_walls_or_times_there_is_none(cell, samples):
     line.state = replace(line.state, detections=())
     assert "no part was found" in refused(line, PlanStir())
     line.state = replace(line.state, detections=samples.detections())
+    narrow = replace(cell.bin, size=np.array([0.2, 0.2, 0.2]))
+    line.state = replace(line.state, cell=replace(cell, bin=narrow))
+    assert "part-1 does not lie between the walls" in refused(line, PlanStir())
+    line.state = replace(line.state, disturbed=samples.detections())
+    assert "missed grip" in refused(line, PlanStir())
+    line.state = replace(line.state, disturbed=())
     flat = replace(cell, bin=replace(cell.bin, has_walls=False))
     line.state = replace(line.state, cell=flat)
     assert "no walls" in refused(line, PlanStir())
@@ -110,6 +119,16 @@ def test_without_parts_walls_or_times_there_is_none(cell, samples):
     slow = replace(cell, controller=replace(cell.controller, motion=motion))
     line.state = replace(line.state, cell=slow)
     assert "does not send times" in refused(line, PlanStir())
+
+
+def gone_on(line: Line, samples) -> None:
+    """After a cycle the next one finds parts, none of which can be taken."""
+    make_plan(samples, line)
+    send(line)
+    line.do(LinkEnded(parts_placed=1))
+    line.do(GoOn())
+    line.ended(samples.scan(1))
+    line.ended(samples.detections())
 
 
 def test_a_cycle_stirs_where_none_can_be_taken_as_often_as_the_cell_says(stirring, samples):
@@ -140,12 +159,7 @@ def test_a_cycle_stirs_where_none_can_be_taken_as_often_as_the_cell_says(stirrin
 
 def test_a_planning_out_of_time_is_no_reason_to_stir(stirring, samples):
     line = Line(stirring)
-    make_plan(replace(samples, cell=stirring), line)
-    send(line)
-    line.do(LinkEnded(parts_placed=1))
-    line.do(GoOn())
-    line.ended(samples.scan(1))
-    line.ended(samples.detections())
+    gone_on(line, replace(samples, cell=stirring))
     assert line.ended(no_plan(Reason.OUT_OF_TIME)).job is None
 
 
@@ -192,13 +206,19 @@ def test_what_was_avoided_in_the_bin_is_tried_again(cell, samples):
 
 def test_where_stirring_finds_no_path_a_cycle_goes_no_further_by_itself(stirring, samples):
     line = Line(stirring)
-    make_plan(replace(samples, cell=stirring), line)
-    send(line)
-    line.do(LinkEnded(parts_placed=1))
-    line.do(GoOn())
-    line.ended(samples.scan(1))
-    line.ended(samples.detections())
+    gone_on(line, replace(samples, cell=stirring))
     line.ended(no_plan())
     state = line.ended(no_plan(Reason.OUT_OF_REACH))
     assert state.job is None and state.stirs == 2
     assert "no plan to stir the parts" in str(state.message)
+    assert is_failure(state.message)
+
+
+def test_a_stirring_whose_task_fails_ends_the_cycle(stirring, samples):
+    line = Line(stirring)
+    gone_on(line, replace(samples, cell=stirring))
+    line.ended(no_plan())
+    state = line.ended(InputError("the worker has ended"))
+    assert state.job is None and state.stirs == 0
+    assert "the planning to stir the parts failed" in str(state.message)
+    assert str(state.message).endswith("no further cycle starts")

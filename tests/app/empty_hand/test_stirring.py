@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 from workbench.app.empty_hand.stirring import plan_stir
+from workbench.app.picking.sightlines import sees_from
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.gui.shared.playback import in_hands, part_poses, timeline
@@ -17,6 +18,7 @@ from workbench.model.geometry import Box, Solid
 from workbench.model.plan import PlanResult
 from workbench.model.scan import Scene
 from workbench.perception.simulation.piles import pile_of
+from workbench.planning.collision.legs import stretches
 from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.plugins.misfit import misfit
@@ -104,3 +106,13 @@ def test_a_hand_whose_opening_the_link_cannot_say_is_wide_open(cell: Cell, scene
     if plan is not None:
         arm = there.arm(plan.arms[0].arm)
         assert plan.arms[0].leg("stir").opening == arm.tool.stroke[1]
+
+
+def test_the_scanner_sees_past_the_arms_once_the_hand_has_left_the_parts(
+    cell: Cell, result: PlanResult
+) -> None:
+    assert result.plan is not None
+    seeing = replace(cell, scanner=replace(cell.scanner, while_moving=True))
+    assert sees_from(seeing, result.plan) in (0, 3)
+    phases = [stretch.phase for stretch in stretches(result.plan)]
+    assert len(phases) == 3 and not any(phase.held or phase.placed for phase in phases)

@@ -2,13 +2,17 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from missed import END, sending, with_policy
 from written import Written
 
 from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.empty_hand import PlanStir
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.statistics.statistics import statistics
+from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.model.plan import PlanResult
 
 
 @pytest.fixture
@@ -63,3 +67,17 @@ def test_only_the_rest_counts_as_left_without_a_plan(in_rows, cell):
     line.do(MakePlan())
     line.ended(in_rows.refused())
     assert len(statistics(line.rows).remaining) == 1
+
+
+def test_a_stirring_that_finds_no_path_leaves_the_reasons_of_the_planning(in_rows):
+    wide = replace(in_rows.cell.bin, size=np.array([4.0, 4.0, 0.2]))
+    cell = replace(in_rows.cell, bin=wide)
+    line = Written(cell)
+    line.plan(replace(in_rows, cell=cell), is_possible=False)
+    before = statistics(line.rows)
+    line.do(PlanStir())
+    line.ended(PlanResult((), None, None, Verdict(Reason.OUT_OF_REACH, Stage.ROUTE), {}))
+    after = statistics(line.rows)
+    reasons = [[left.hindrance for left in each.remaining] for each in (before, after)]
+    assert reasons == [["floor"], ["floor"]]
+    assert after.cycles[-1].seconds == before.cycles[-1].seconds

@@ -122,6 +122,27 @@ def test_a_higher_heap_makes_the_box_higher_and_what_stands_beside_stays(cell: C
     assert [seen.T_world_box for seen in high.others] == [beside]
 
 
+def obstacle_at(cell: Cell, place: tuple[float, float, float], size: list[float]) -> Obstacle:
+    """A thing that the scan shows, in the bin's frame."""
+    T_bin_box = pin.SE3(np.eye(3), np.array(place))
+    return Obstacle(cell.bin.T_world_bin * T_bin_box, np.array(size))
+
+
+def test_nothing_that_hangs_over_the_bin_or_lies_across_its_walls_may_be_stirred(
+    cell: Cell, plan: Plan
+) -> None:
+    lamp = obstacle_at(cell, (0.0, 0.0, 0.2), [0.05, 0.05, 0.4])
+    board = obstacle_at(cell, (0.05, 0.0, 0.04), [0.2, 0.03, 0.01])
+    crumb = obstacle_at(cell, (0.05, 0.0, 0.02), [0.01, 0.01, 0.04])
+    content = content_of(cell, replace(plan.scene, obstacles=(lamp, board, crumb)))
+    assert content.others == (lamp, board)
+    assert content.high == content_of(cell, plan.scene).high
+    for thing in (lamp, board):
+        over = replace(plan, obstacles=(thing,))
+        assert "seen-1" in objections(cell, over)
+    assert objections(cell, replace(plan, obstacles=(crumb,))) == ""
+
+
 def shaken(plan: Plan, draw: np.random.Generator) -> Plan:
     """One joint at one waypoint of the way through the parts is elsewhere."""
     q = np.array(plan.arms[0].leg("stir").q)

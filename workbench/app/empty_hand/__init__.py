@@ -1,1 +1,1 @@
-"""The path of a scanner on an arm to its view: planned and proven."""
+"""Motions of an empty hand, planned and proven: a scanner's path to its view, stirring."""

@@ -19,7 +19,7 @@ from workbench.app.picking.pile_check import kinds_in_turn
 from workbench.app.picking.row import plan_row
 from workbench.app.picking.sightlines import seconds_seen, sees_from
 from workbench.app.picking.stations import put_down
-from workbench.model.candidate import Verdict
+from workbench.model.candidate import Reason, Verdict
 from workbench.model.cell import Cell
 from workbench.model.derived.assembling import assembled_kinds
 from workbench.model.derived.by_recipe import kit_of, wanted_parts
@@ -134,7 +134,9 @@ def empty_pile(
             refusal = result.verdict if result is not None and has_pick else None
             # What is left alone for a while gets its turn before this counts as the end.
             idle += not avoided
-            may_stir = stirs < most_stirs and idle >= len(views_of(cell))
+            # As the rule of a cycle has it.
+            is_late = result is not None and result.verdict.reason is Reason.OUT_OF_TIME
+            may_stir = stirs < most_stirs and idle >= len(views_of(cell)) and not is_late
             if may_stir and _stir(cell, lying, tally, seed, film):
                 stirs, idle = stirs + 1, 0
                 continue

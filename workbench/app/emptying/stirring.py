@@ -21,12 +21,16 @@ def stir_pile(
 ) -> Shot | None:
     """A proven plan by which a hand stirs the parts, and how they lie meanwhile; None: no plan.
 
+    There is none either where the last look has found no part.
+
     Args:
         cell: with the bin.
         lying: the parts as they truly lie, with their numbers.
         scene: the parts as the last look has shown them.
         seed: of everything random.
     """
+    if not scene.detections:
+        return None
     result = plan_stir(cell, scene, seed=seed)
     plan = result.plan
     if plan is None or result.proof is None or not result.proof.holds:

@@ -21,8 +21,9 @@ from workbench.planning.collision.world import World
 ROOM = 0.02
 """[m] By so much arms keep out of the view: its pose is calibrated, and lenses have a width."""
 
-AT_THE_PARTS: frozenset[LegName] = frozenset({"reach", "approach", "extract"})
-"""Legs before or at the taking of a part: the scene is not yet what the next plan is for."""
+AT_THE_PARTS: frozenset[LegName] = frozenset({"reach", "approach", "extract", "stir"})
+"""Legs before or at the taking of a part, or among the parts: the scene is not yet what the next
+plan is for."""
 
 VIEW = "scanner_view"
 

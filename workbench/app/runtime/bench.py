@@ -220,18 +220,7 @@ class Bench:
 
         And where a scan is taken or used whose scanner an arm carries, or that goes to its view.
         """
-        if self._state.cell.scanner.on_arm is not None and isinstance(
-            command,
-            TakeScan
-            | UseScan
-            | SightPlate
-            | ScanBalls
-            | GoOn
-            | JobEnded
-            | MakePlan
-            | PlanView
-            | PlanStir,
-        ):
+        if self._state.cell.scanner.on_arm is not None and isinstance(command, FROM_A_VIEW):
             return True
         if isinstance(command, LinkEnded):
             return bool(self._state.row) and not command.fault

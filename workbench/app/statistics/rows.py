@@ -25,10 +25,15 @@ def numbers_of_row(result: Any) -> Numbers:
     )
 
 
-def is_to_view(result: Any) -> bool:
-    """Whether the plan of a planning, in canonical form, takes a scanner to its view."""
+def takes_no_part(result: Any) -> bool:
+    """Whether a planning, in canonical form, was for a scanner's path to its view, or to stir.
+
+    Without a plan it shows by its candidates: it has none.
+    """
     plan = result["plan"]
-    return plan is not None and all(arm["detection"] == NO_PART for arm in plan["arms"])
+    if plan is None:
+        return not result["candidates"]
+    return all(arm["detection"] == NO_PART for arm in plan["arms"])
 
 
 def picks_of_row(result: Any, numbers: Numbers) -> Sequence[Sequence[tuple[int, str, str, str]]]:

@@ -22,7 +22,7 @@ from workbench.app.statistics.cycles import CycleRecord, PickRecord, Rate
 from workbench.app.statistics.grasp_use import NO_USES, Uses, add_uses, count_judged, count_taken
 from workbench.app.statistics.kits import KitCount, Kits, add_kits
 from workbench.app.statistics.remaining import MOST, Remaining, RemainingPart
-from workbench.app.statistics.rows import is_to_view, numbers_of_row, picks_of_row
+from workbench.app.statistics.rows import numbers_of_row, picks_of_row, takes_no_part
 from workbench.app.statistics.turns import Turns
 from workbench.journal.journal import Row
 from workbench.model.candidate import Reason, kind_of
@@ -160,7 +160,7 @@ class Count:
         self._row: tuple[tuple[PickRecord, ...], ...] = ()
         self._numbers: tuple[tuple[int, ...], ...] = ()
         self._place = 0
-        self._is_to_view = False  # whether the plan takes a scanner to its view: no cycle
+        self._takes_no_part = False  # whether the plan is no cycle: to a view, or to stir
 
     def add(self, rows: Iterable[Row]) -> None:
         """Count entries, in their order.
@@ -208,12 +208,12 @@ class Count:
     def _take(self, kind: str, number: int, at: float, command: Any) -> None:
         is_planned = kind == JobEnded.__name__ and "plan" in command["result"]
         if is_planned:
-            self._is_to_view = is_to_view(command["result"]["plan"])
-        if self._is_to_view and (is_planned or kind in OF_A_PLAN):
+            self._takes_no_part = takes_no_part(command["result"]["plan"])
+        if self._takes_no_part and (is_planned or kind in OF_A_PLAN):
             return
         if kind in SCANS:
             # From another view it may be the next scan of the same cycle.
-            goes_on = self._is_to_view and bool(self._cycles) and not self._cycles[-1].end
+            goes_on = self._takes_no_part and bool(self._cycles) and not self._cycles[-1].end
             if not goes_on:
                 self._cycles.append(CycleRecord(number, at, at))
             self._begun = ("scan", at, number)

@@ -147,7 +147,7 @@ class StudyEmptying:
     plan a look, too, to be compared."""
     stirs: Maybe[int] = None
     """How often in a row a hand stirs where nothing can be taken; as the cell says when not
-    given."""
+    given. Stirs also where the cell's robot link could not."""
     bound: bool = False
     """Try many grasps of the tool on what stays: where one takes it, a library could."""
     what_if: str = ""

@@ -169,7 +169,7 @@ class PlanArguments:
     start: str = "home"
     """Where the path to --view begins: home, or the name of another view."""
     stir: bool = False
-    """Plan how an arm stirs the parts at --poses with its closed hand, instead of a pick."""
+    """Plan how an arm stirs the parts at --poses with its hand, instead of a pick."""
     scan: Maybe[Path] = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is kept clear of."""
     strategy: Maybe[str] = None

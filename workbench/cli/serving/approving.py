@@ -71,7 +71,10 @@ def facts_of(
         facts[f"Arm {carrier.arm}"] = f"takes the scanner {goal}"
         known = "counts as full, since no scan shows it yet"
     if plan.is_stir_plan:
-        facts[f"Arm {plan.strategy.arm}"] = "stirs the parts in the bin with its hand"
+        stirs, opening = "stirs what lies in the bin", plan.arms[0].leg("stir").opening
+        open_by = f"fingers {opening * 1000:.1f} mm open"
+        with_what = open_by if cell.arm(plan.strategy.arm).tool.fingers else "its hand"
+        facts[f"Arm {plan.strategy.arm}"] = f"{stirs} with {with_what}"
     nearest, link = proof.nearest, cell.controller
     holds = f"holds, {proof.digest[:SHORTEST]}"
     if link.motion.sends_poses:

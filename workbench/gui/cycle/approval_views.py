@@ -140,7 +140,11 @@ def _plan(cell: Cell, plan: Plan) -> list[Fact]:
         to_view = ApprovalText.TO_VIEW(view=carrier.view.name)
         facts.append((name, ApprovalText.TO_HOME() if leads_home else to_view))
     if plan.is_stir_plan:
-        facts.append((LabelText.ARM(arm=plan.strategy.arm.capitalize()), ApprovalText.STIRS()))
+        name = LabelText.ARM(arm=plan.strategy.arm.capitalize())
+        opening = plan.arms[0].leg("stir").opening
+        has_fingers = bool(cell.arm(plan.strategy.arm).tool.fingers)
+        stirs = ApprovalText.STIRS_OPEN(opening=opening) if has_fingers else ApprovalText.STIRS()
+        facts.append((name, stirs))
     for arm in plan.picks:
         kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
         grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=label_grasp(arm.grasp, arm.tcp))

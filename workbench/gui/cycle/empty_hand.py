@@ -1,4 +1,4 @@
-"""The view of a scanner on an arm, and the button that plans the path there, or back home."""
+"""Buttons that plan motions of an empty hand: of a scanner to its view or home, and stirring."""
 
 from typing import Any
 
@@ -6,10 +6,10 @@ import viser
 
 from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.cycle.arm_scanner import is_at_view
-from workbench.app.core.cycle.empty_hand import PlanView
+from workbench.app.core.cycle.empty_hand import PlanStir, PlanView, may_stir
 from workbench.app.core.state import State
 from workbench.gui.shared.look import View
-from workbench.gui.shared.visitor import Visitor
+from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import view_name, views_of
 from workbench.model.robot import HOME
@@ -19,6 +19,30 @@ SAYS = "Plans the path of the arm with the scanner between home and view; then a
 TO_VIEW, TO_HOME = "Go to view", "Go back home"
 
 NO_VIEW = "-"
+
+
+class StirButton:
+    """Below **Plan**, to be seen where none of the parts found can be taken."""
+
+    def __init__(self, visitor: Visitor, seed: viser.GuiInputHandle[int]):
+        """Add the button; `seed` is the field with the seed of the request."""
+        gui = visitor.gui
+        self._gap = gui.add_html('<div class="wb-span2"></div>', visible=False)
+        self.button = gui.add_button(
+            "Stir parts",
+            icon=viser.Icon.TORNADO,
+            color="gray",
+            visible=False,
+            hint="Plans how a hand goes through the parts, so that they lie otherwise; then a "
+            "person approves.",
+        )
+        visitor.on_press(self.button, lambda: PlanStir(whole(seed.value)))
+
+    def show(self, state: State) -> bool:
+        """Bring it up to date; whether it is the next step."""
+        is_stuck = bool(state.detections) and state.verdict is not None and state.plan is None
+        self.button.visible = self._gap.visible = is_stuck
+        return is_stuck and may_stir(state)
 
 
 class ViewButton:

@@ -12,7 +12,7 @@ from workbench.app.core.command import Command
 from workbench.app.core.cycle.approval import Approve, standing_votes
 from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.correcting import CorrectPart
-from workbench.app.core.cycle.empty_hand import PlanStir, may_stir
+from workbench.app.core.cycle.empty_hand import PlanStir
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
@@ -24,6 +24,7 @@ from workbench.app.picking.facts import bin_check_of
 from workbench.gui.cycle.approval import ApprovalDialog, row_of
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.bins import BinInput
+from workbench.gui.cycle.empty_hand import StirButton, ViewButton
 from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.kit import KitInputs
 from workbench.gui.cycle.outcomes import OutcomeInputs
@@ -35,7 +36,6 @@ from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
-from workbench.gui.cycle.view_button import ViewButton
 from workbench.gui.drawing.in_view import hidden_message
 from workbench.gui.drawing.play_button import PlayButton, watched_message
 from workbench.gui.help.groups import group
@@ -61,7 +61,6 @@ from workbench.model.scan import ALL_KINDS
 
 ROW = '<div class="wb-row"></div>'
 """A mark that has its folder laid out in three columns, see the style sheet."""
-
 
 STAYS = '<div class="wb-stays"></div>'
 """A mark that keeps its folder in view, at the bottom, however long what stands above it is."""
@@ -156,15 +155,7 @@ class CyclePanel:
             self._threshold.add_forecast()
             self._plan_line = gui.add_html("")
             self._row.add_row()
-            self._beside_stir = gui.add_html('<div class="wb-span2"></div>', visible=False)
-            self._stir = gui.add_button(
-                "Stir parts",
-                icon=viser.Icon.TORNADO,
-                color="gray",
-                visible=False,
-                hint="Plans how a closed hand goes through the parts, so that they lie otherwise; "
-                "then a person approves.",
-            )
+            self._stir = StirButton(self._visitor, self._seed)
             self._help_line = gui.add_html("", visible=False)
             self._fix = FixInputs(self._visitor)
 
@@ -249,13 +240,12 @@ class CyclePanel:
         is_stepped = self._step.show(new)
         # The button beside Stop lets the robot move, and none stands where Send was just pressed.
         self._send.visible = self._send_line.visible = not is_stepped
-        is_stuck = state.verdict is not None and state.plan is None
-        self._stir.visible = self._beside_stir.visible = is_stuck and bool(state.detections)
+        stirs_next = self._stir.show(state)
         buttons = (
             (self._scan, TakeScan()),
             (self._find, FindParts()),
             (self._plan, MakePlan()),
-            (self._stir, PlanStir()),
+            (self._stir.button, PlanStir()),
             (self._approve, approval),
             (self._send, SendPlan(_digest(state))),
             (self._stop, Stop()),
@@ -265,10 +255,13 @@ class CyclePanel:
             button.disabled = bool(problem)
             visitor.explain(button, problem)
         after_end = begin if _has_moved_scanner(state) else self._go_on.button
+        after_finding = self._stir.button if stirs_next else self._plan
+        if state.disturbed and state.verdict is not None:
+            after_finding = begin
         next_step = {
             Phase.IDLE: begin,
             Phase.SCANNED: self._find,
-            Phase.LOCALIZED: self._stir if may_stir(state) and is_stuck else self._plan,
+            Phase.LOCALIZED: after_finding,
             Phase.PLANNED: self._play.button if is_next else self._approve,
             Phase.APPROVED: self._send,
             Phase.DONE: self._plan if has_rest else after_end,
@@ -312,7 +305,6 @@ class CyclePanel:
         visitor.on_press(self._move_bin, self._wanted_bin)
         visitor.on_press(self._correct, lambda: CorrectPart(next(iter(self._wrong), "")))
         visitor.on_press(self._plan, self._wanted_plan)
-        visitor.on_press(self._stir, lambda: PlanStir(whole(self._seed.value)))
         visitor.on_key("N", "New scan", lambda: visitor.ask(self._wanted_scan))
         visitor.on_key("F", "Find parts", lambda: visitor.ask(self._wanted_parts))
         visitor.on_key("P", "Plan", lambda: visitor.ask(self._wanted_plan))

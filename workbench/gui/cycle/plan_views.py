@@ -66,7 +66,7 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
         (mm(floor_distance(proof.clearance)), "Clearance, free", clearance),
         (
             "" if linear is None else mm(floor_distance(max(linear, 0.0))),
-            "Clearance, linear",
+            "Clearance, stirring" if plan.is_stir_plan else "Clearance, linear",
             clearance,
         ),
     )

@@ -44,10 +44,11 @@ def free_message(state: State) -> Message:
 
 
 def straight_lines(state: State) -> list[tuple[str, Message]]:
-    """The line about linear motions; none where a scanner goes to its view, by joints alone."""
+    """The line about linear motions, or about a hand among the parts; none on a path to a view."""
     if all(plan.is_view_plan for plan in state.plans):
         return []
-    return [("Linear motion", straight_message(state))]
+    name = "Among the parts" if any(plan.is_stir_plan for plan in state.plans) else "Linear motion"
+    return [(name, straight_message(state))]
 
 
 def straight_message(state: State) -> Message:

@@ -340,12 +340,8 @@ def forecast_line(
 
 
 def _ready_message(state: State, plan: Plan) -> Message:
-    text = (
-        CyclePageText.STIRS(arm=plan.strategy.arm)
-        if plan.is_stir_plan
-        else CyclePageText.PLAN(
-            strategy=strategy_message(plan.strategy), time=plan.cycle_seconds, count=len(plan.picks)
-        )
+    text = CyclePageText.PLAN(
+        strategy=strategy_message(plan.strategy), time=plan.cycle_seconds, count=len(plan.picks)
     )
     if len(state.plans) > 1:
         number = len(state.sent_before) + 1

@@ -12,6 +12,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
 from workbench.model.messages.cells import BinChoiceText
 from workbench.model.part import Bin
+from workbench.model.scan import Detection
 
 MOST_BINS = 8
 
@@ -99,3 +100,22 @@ def _meet(one: Bin, other: Bin) -> bool:
         for axis in axes
         if np.linalg.norm(axis) > 1e-9
     )
+
+
+def is_between_walls(box: Bin, p_world: Floats) -> bool:
+    """Whether a place (3,) [m] in the world is between the walls of a bin, or above that."""
+    length, width, _ = box.size
+    x, y, _ = box.T_world_bin.actInv(np.asarray(p_world))
+    return bool(abs(x) <= length / 2 and abs(y) <= width / 2)
+
+
+def part_beside_bin(cell: Cell, detections: Sequence[Detection]) -> int | None:
+    """The index of the first part whose middle is not between the walls of the bin; None: no such.
+
+    A part that a plan has put on a station is none in the bin.
+    """
+    for number, found in enumerate(detections):
+        middle = found.T_world_part.act(np.asarray(cell.part(found.part).mesh.middle))
+        if found.T_world_found is not None or not is_between_walls(cell.bin, middle):
+            return number
+    return None

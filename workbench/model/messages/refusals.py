@@ -23,6 +23,7 @@ class Refusal(Text, subject="refusal"):
     NOTHING_TO_COMPARE = "no parts were found yet that another search compares with"
     NO_PARTS = "there are no parts to plan for"
     NO_PARTS_TO_STIR = "no part was found that a hand could stir"
+    STIR_BESIDE_BIN = "{part} does not lie between the walls of the bin: take it out by hand"
     STIR_NO_WALLS = "the bin has no walls that hold the parts while a hand stirs them"
     STIR_NO_TIMES = "robot link {link} does not send times: it cannot stir slowly"
     STIR_JERK = "arm {arm} has jerk_deg: how fast it stirs cannot be proven"

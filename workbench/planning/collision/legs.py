@@ -116,6 +116,8 @@ def phase_of(runs: Sequence[Run], waiting: Sequence[Run] = ()) -> LegPhase:
     holding += [plan for plan, name, _ in waiting if name in HOLDING - {"place"}]
     placed = [plan for plan, name, _ in runs if name == "home"]
     placed += [plan for plan, name, _ in waiting if name in ("place", "home")]
+    # An arm that stirs goes home, too, but has placed nothing.
+    placed = [plan for plan in placed if plan.takes_part]
     return LegPhase(
         moving=frozenset(plan.arm for plan, _, _ in runs),
         openings={plan.arm: opening for plan, _, opening in (*runs, *waiting)},

@@ -1,4 +1,4 @@
-"""The path on which a closed hand stirs the parts in a bin: round along its walls, then inwards.
+"""The path on which a hand stirs the parts in a bin: round along its walls, then inwards.
 
 Parts that lean on a wall or on each other, or lie beneath others, come to lie otherwise, and many
 can be taken then.  The hand goes in straight at the corner that has the most room.  It goes around

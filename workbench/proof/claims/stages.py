@@ -20,8 +20,8 @@ from workbench.proof.engine.robot import Tree
 from workbench.proof.engine.sets import Sets
 
 NEAR_MARGIN_LEGS: frozenset[LegName] = frozenset({"approach", "extract", "stir"})
-"""Legs on which tool and held part keep `near_margin`; the place leg is linear but keeps
-`margin`."""
+"""Legs on which tool and held part keep `near_margin`: straight to a part and with it, and among
+the parts; the place leg is linear but keeps `margin`."""
 
 
 FIRST_LEGS: frozenset[LegName] = frozenset({"reach", "view"})

@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_bin import part_beside_bin
 from workbench.model.geometry import Box, Floats
 from workbench.model.messages.message import FoundPart
 from workbench.model.messages.proofs import ProofText
@@ -47,21 +48,34 @@ class Content:
 
 
 def content_of(cell: Cell, scene: Scene) -> Content:
-    """The boxes that stand for all that lies in the bin of a scene, and over its walls."""
-    inside = [seen for seen in scene.obstacles if _is_inside(cell, seen)]
-    others = tuple(seen for seen in scene.obstacles if not _is_inside(cell, seen))
-    extents = [_extent_of_part(cell, found) for found in scene.detections]
-    for seen in inside:
-        T_bin_box = cell.bin.T_world_bin.actInv(seen.T_world_box)
-        extents.append(_extent(T_bin_box, seen.size / 2))
-    width, depth, high = np.max([np.array([0.0, 0.0, LEAST]), *extents], axis=0)
-    whole = filled_bin(cell, float(high), [part.name for part in cell.parts])
+    """The boxes that stand for all that lies in the bin of a scene, and for parts over its walls.
+
+    Of the obstacles these are in the bin which are wholly between its walls, and no higher than its
+    rim, or than the highest part and another one upright on it.  Nothing that hangs or lies over
+    the bin is.
+    """
+    kinds = [part.name for part in cell.parts]
+    parts = [_extent_of_part(cell, found) for found in scene.detections]
+    highest = max((float(extent[2]) for extent in parts), default=0.0)
+    rim = max(float(cell.bin.size[2]), float(filled_bin(cell, highest, kinds).size[2]))
+    room = np.array([*(cell.bin.size[:2] / 2 + cell.bin.wall), rim])
+    inside: list[Floats] = []
+    others: list[Obstacle] = []
+    for seen in scene.obstacles:
+        extent = _extent(cell.bin.T_world_bin.actInv(seen.T_world_box), seen.size / 2)
+        if seen.part or np.any(extent > room):
+            others.append(seen)
+        else:
+            inside.append(extent)
+    least = np.array([0.0, 0.0, LEAST])
+    width, depth, high = np.max([least, *parts, *inside], axis=0)
+    whole = filled_bin(cell, float(high), kinds)
     floor = np.maximum(whole.size[:2], (2 * width, 2 * depth))
     boxes = (
         _slice(cell, floor, 0.0, float(high)),
         _slice(cell, floor, float(high), float(whole.size[2])),
     )
-    return Content(float(high), boxes, others)
+    return Content(float(high), boxes, tuple(others))
 
 
 def _slice(cell: Cell, floor: Floats, low: float, high: float) -> Obstacle:
@@ -90,9 +104,8 @@ def stir_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Viola
         yield Violation(ProofText.NOT_ONLY_STIR(), arm.name)
     if not cell.bin.has_walls:
         yield Violation(ProofText.NO_WALLS(), arm.name)
-    for number, found in enumerate(plan.detections):
-        if not _lies_inside(cell, found):
-            yield Violation(ProofText.BESIDE_BIN(part=FoundPart(number)), arm.name)
+    if (number := part_beside_bin(cell, plan.detections)) is not None:
+        yield Violation(ProofText.BESIDE_BIN(part=FoundPart(number)), arm.name)
     opening = _opening(cell, arm)
     for leg in arm_plan.legs:
         if arm.tool.fingers and not abs(leg.opening - opening) <= OPENING:
@@ -122,19 +135,3 @@ def _extent(T_bin_box: pin.SE3, half: Floats) -> Floats:
     """How far a box (3,) [m] of half that size reaches: to the sides of the middle, and up."""
     middle, reach = T_bin_box.translation, np.abs(T_bin_box.rotation) @ half
     return np.array([*(np.abs(middle[:2]) + reach[:2]), middle[2] + reach[2]])
-
-
-def _lies_inside(cell: Cell, found: Detection) -> bool:
-    middle = found.T_world_part.act(np.asarray(cell.part(found.part).mesh.middle))
-    return found.T_world_found is None and _is_between_walls(cell, middle)
-
-
-def _is_inside(cell: Cell, seen: Obstacle) -> bool:
-    """Whether a thing that the scan shows counts as content of the bin; no part put down does."""
-    return not seen.part and _is_between_walls(cell, seen.T_world_box.translation)
-
-
-def _is_between_walls(cell: Cell, p_world: Floats) -> bool:
-    length, width, _ = cell.bin.size
-    x, y, _ = cell.bin.T_world_bin.actInv(p_world)
-    return bool(abs(x) <= length / 2 and abs(y) <= width / 2)

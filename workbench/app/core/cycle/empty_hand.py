@@ -22,10 +22,11 @@ from workbench.app.core.state import (
 from workbench.app.core.tasks import Begun, begin_task
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
 from workbench.model.candidate import Reason
+from workbench.model.derived.by_bin import part_beside_bin
 from workbench.model.derived.policies import stir_problem
 from workbench.model.messages.cells import ViewChoiceText
 from workbench.model.messages.commands import CommandText
-from workbench.model.messages.message import Message, all_of
+from workbench.model.messages.message import FoundPart, Message, all_of
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import ClearanceText, StateText
 from workbench.model.motion import floor_distance
@@ -61,7 +62,7 @@ class PlanView(Command):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanStir(Command):
-    """Plan how an arm stirs the parts in the bin with its closed hand, where none can be taken."""
+    """Plan how an arm stirs the parts in the bin with its hand, where none can be taken."""
 
     right: ClassVar[Right] = Right(
         CommandText.PLAN_STIR, frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})
@@ -71,7 +72,7 @@ class PlanStir(Command):
 
     def check(self, state: State, asked: Asked) -> None:
         check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
-        refuse(Refusal.MOVED_BY_A_MISS() if state.disturbed else stir_refusal(state))
+        refuse(stir_refusal(state))
         refuse(scan_problem(state.cell, state.scan, standing_joints(state.cell, asked.joints)))
 
     def apply(self, state: State, entry: Entry) -> Decision:
@@ -80,7 +81,13 @@ class PlanStir(Command):
 
 def stir_refusal(state: State) -> Message | None:
     """Why no hand can stir the parts found; None when one can."""
-    return stir_problem(state.cell) if state.detections else Refusal.NO_PARTS_TO_STIR()
+    if not state.detections:
+        return Refusal.NO_PARTS_TO_STIR()
+    if state.disturbed:
+        return Refusal.MOVED_BY_A_MISS()
+    if (number := part_beside_bin(state.cell, state.detections)) is not None:
+        return Refusal.STIR_BESIDE_BIN(part=FoundPart(number))
+    return stir_problem(state.cell)
 
 
 def may_stir(state: State) -> bool:

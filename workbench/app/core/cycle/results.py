@@ -51,6 +51,7 @@ FAILURES = (
     StateText.POSES_REFUSED,
     StateText.CELL_REFUSED,
     StateText.NO_PLAN,
+    StateText.NO_STIR,
     StateText.NOT_PROVEN,
     StateText.NO_PROOF,
 )
@@ -110,6 +111,7 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
     job = before.job
     if job is None or job.then is None or after.job is not None:
         return after, ()
+    is_ahead = before.phase is Phase.SENDING
     match job.name, after.phase:
         case "scan", Phase.SCANNED if name := missing_view(after):
             return _from_view(name, after, entry, job.then)
@@ -120,17 +122,21 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
             if problem := scan_problem(after.cell, after.scan, joints):
                 return _ended(replace(after, message=problem)), ()
             if problem := kit_problem(after):
-                return _without_kit_part(replace(after, message=problem), entry, job.then)
+                after = replace(after, message=problem)
+                return _without_kit_part(after, entry, job.then, is_ahead=is_ahead)
             return make_plan(after, entry, job.then.plan, then=job.then)
-        case "plan", _ if after.disturbed and after.plan is None:
+        case "plan", _ if after.disturbed and after.verdict is not None and after.plan is None:
             return take_scan(after, entry, job.then.scan, then=job.then)
         case "localize" | "plan", _ if is_nothing_taken(after) and next_view(after):
             return _from_view(next_view(after), after, entry, job.then)
         case "plan", _ if is_nothing_taken(after) and may_stir(after):
             return _stir(after, entry, job.then)
+        case "stir", _ if after.plan is None and may_stir(after):
+            # The task itself has failed.
+            return _ended(after), ()
         case "stir", _ if after.plan is None and kit_problem(after):
-            return _without_kit_part(after, entry, job.then)
-        case _ if is_exhausted(after) and before.phase is not Phase.SENDING:
+            return _past_views(after, entry, job.then, is_ahead=is_ahead)
+        case _ if is_exhausted(after) and not is_ahead:
             return from_next_bin(after, entry, job.then)
         case "scan" | "localize", _:
             return _ended(after), ()
@@ -170,20 +176,28 @@ def _stir(state: State, entry: Entry, then: "GoOn") -> Decision:
     return replace(begun, message=said), effects
 
 
-def _without_kit_part(state: State, entry: Entry, then: "GoOn") -> Decision:
+def _without_kit_part(state: State, entry: Entry, then: "GoOn", *, is_ahead: bool) -> Decision:
     """The cycle where there is nothing for the kit: the next view, stirring, the next bin."""
-    after = state
-    if lacks_of(state):
-        after = with_nothing_seen(state)
-        if name := next_view(after):
-            message = all_of((as_message(state.message), next_view_message(after)))
-            return _from_view(name, replace(after, message=message), entry, then)
-        if may_stir(after):
-            return _stir(after, entry, then)
-        passed = (*state.kit.bins_without, state.cell.bin.name)
-        after = replace(after, kit=replace(state.kit, bins_without=passed))
-        if name := next_bin(after):
-            return _from_bin(name, after, entry, then, why=as_message(state.message))
+    if not lacks_of(state):
+        return _ended(state), ()
+    after = with_nothing_seen(state)
+    if name := next_view(after):
+        message = all_of((as_message(state.message), next_view_message(after)))
+        return _from_view(name, replace(after, message=message), entry, then)
+    return _past_views(after, entry, then, is_ahead=is_ahead)
+
+
+def _past_views(state: State, entry: Entry, then: "GoOn", *, is_ahead: bool) -> Decision:
+    """The cycle where no view of the bin shows a part for the kit: stirring, or the next bin.
+
+    While a plan is sent (`is_ahead`) its bin stays the chosen one.
+    """
+    if may_stir(state):
+        return _stir(state, entry, then)
+    passed = (*state.kit.bins_without, state.cell.bin.name)
+    after = replace(state, kit=replace(state.kit, bins_without=passed))
+    if not is_ahead and (name := next_bin(after)):
+        return _from_bin(name, after, entry, then, why=as_message(state.message))
     return _ended(after), ()
 
 
