@@ -10,7 +10,7 @@ from workbench.model.candidate import Reason
 from workbench.model.messages.message import all_of
 from workbench.model.messages.plans import cycle_words, strategy_message
 from workbench.model.messages.states import StateText
-from workbench.model.motion import floor_distance
+from workbench.model.motion import ceil_speed, floor_distance
 from workbench.model.plan import Plan, Proof
 from workbench.proof.claims.clearance import bounds_message, linear_clearance, speed_message
 from workbench.words.words import IN_ENGLISH, Words
@@ -35,7 +35,9 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
         if carrier.leads_home(plan.arms[0].legs[0].q):
             result = CyclePageText.TO_HOME(arm=carrier.arm)
     elif plan.is_stir_plan:
-        result = CyclePageText.STIRS(arm=plan.strategy.arm)
+        bounds = (bound.point for bound in proof.speeds if bound.leg == "stir")
+        stirs = max(bounds, default=state.cell.policy.stir_speed)
+        result = CyclePageText.STIRS(arm=plan.strategy.arm, speed=ceil_speed(stirs))
     elif unknown := sum(not obstacle.part for obstacle in plan.obstacles):
         result = CyclePageText.UNKNOWN_CLEAR(strategy=result, count=unknown)
     speed = speed_message(proof)

@@ -50,9 +50,8 @@ class Content:
 def content_of(cell: Cell, scene: Scene) -> Content:
     """The boxes that stand for all that lies in the bin of a scene, and for parts over its walls.
 
-    Of the obstacles these are in the bin which are wholly between its walls, and no higher than its
-    rim, or than the highest part and another one upright on it.  Nothing that hangs or lies over
-    the bin is.
+    An obstacle lies in the bin if it is wholly between the walls, and no higher than the rim or a
+    part upright on the highest one.  What hangs over the bin, or lies across a wall, does not.
     """
     kinds = [part.name for part in cell.parts]
     parts = [_extent_of_part(cell, found) for found in scene.detections]
