@@ -77,7 +77,7 @@ def test_the_way_there_keeps_clear_of_the_parts(cell: Cell, plan: Plan) -> None:
     stir = np.array(arm.leg("stir").q)
     deep = leg_with(plan, "reach", np.vstack([arm.leg("reach").q[:-1], stir[3]]), slower=1.0)
     bent = leg_with(deep, "stir", np.vstack([stir[3:4], stir[1:]]))
-    assert "above_content" in objections(cell, bent)
+    assert "above_bin_content" in objections(cell, bent)
 
 
 def test_a_plan_made_faster_by_hand_is_refused(cell: Cell, plan: Plan) -> None:

@@ -1,7 +1,7 @@
 """After a grip that closed on nothing: whether the other parts of the same scan can be planned for.
 
-The robot itself has to report the miss, and nothing else may be in doubt.  Then only the missed part
-and what it may have fallen onto lie otherwise: these are obstacles, and no detections.
+The robot itself has to report the miss, and nothing else may be in doubt.  Then only the missed
+part and what it may have fallen onto lie otherwise: these are obstacles, and no detections.
 """
 
 from dataclasses import replace

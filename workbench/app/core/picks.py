@@ -59,7 +59,7 @@ class SentFor:
 class SendingEnd:
     """How a sending has ended.  `fault` is empty when the controller reported the end.
 
-    `parts` says of each part of the plan what the controller told of it; `placed` are the parts
+    `parts` says of each part of the plan what the controller reported of it; `placed` are the parts
     that lie on pallets now, or may lie there, None as long as nobody has worked that out.
     `row_ends` says why no plan of a row may follow, as the link or the bench knows it.
     `may_have_moved` as in `State`, None as long as nobody has worked that out.

@@ -41,7 +41,7 @@ SLACK = 0.0005
 CONTENT = "bin_content"
 """What people call the box that stands for all parts while a hand stirs them."""
 
-ABOVE = "above_content"
+ABOVE = "above_bin_content"
 """What people call the box above that, in which a part may come to stand upright."""
 
 TOUCH = 1e-6
