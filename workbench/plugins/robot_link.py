@@ -282,7 +282,7 @@ def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> No
         raise CommandRefused(DeviceText.NOBODY_APPROVED(link=cell.controller.link))
     if now < approval.at:
         raise CommandRefused(DeviceText.APPROVAL_EARLY(seconds=approval.at - now))
-    if not now <= approval.until:
+    if not now < approval.until:
         raise CommandRefused(DeviceText.APPROVAL_OVER(seconds=now - approval.until))
 
 

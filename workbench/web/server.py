@@ -16,6 +16,7 @@ from typing import Any
 from aiohttp import web
 
 from workbench.model.messages.message import Message
+from workbench.plugins.addresses import is_loopback
 from workbench.web.access.first_key import FirstKey
 from workbench.web.access.guard import guard, strictly
 from workbench.web.access.identity import ACCESS, Access, identify
@@ -27,7 +28,7 @@ from workbench.web.http.broken_connections import is_broken_off
 from workbench.web.http.connection_limits import ConnectionLimits, room_for
 from workbench.web.http.gate import Gate, descriptors
 from workbench.web.http.listening import TlsCertificate, listen
-from workbench.web.http.origins import WILDCARDS, Origins, is_loopback
+from workbench.web.http.origins import WILDCARDS, Origins
 from workbench.web.http.sparing import sparing
 from workbench.web.page.bar import Bar, Stopper, stop_nothing, without_robot
 from workbench.web.page.connections import Connections

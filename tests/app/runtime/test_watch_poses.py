@@ -2,6 +2,7 @@
 
 import json
 import os
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -167,6 +168,19 @@ def test_the_newest_of_several_files_is_taken_last(bench, told, tmp_path):
     assert [str(one.says) for one in bench.state.remarks] == [
         f"1 pose taken from {name}.txt" for name in ("b", "c", "a", "d")
     ]
+
+
+def test_a_file_waits_until_a_task_ends_however_long_that_takes(bench, told, tmp_path, monkeypatch):
+    bench.do(TakeScan(), "ada")
+    (tmp_path / "poses" / "Poses.txt").write_text(halcon((1, 2, 3)))
+    clock = time.monotonic()
+    for hours in (0, 1, 2):
+        monkeypatch.setattr(time, "monotonic", lambda now=clock + 3600 * hours: now)
+        told._look()
+    monkeypatch.undo()
+    bench.do(CancelJob(), "ada")
+    told._look()
+    assert bench.state.detections is not None
 
 
 def test_a_folder_that_comes_later_is_watched(bench, told, tmp_path):

@@ -1,17 +1,19 @@
 """What the simulated robot does by itself."""
 
+import socket
 import time
 
 import numpy as np
 import pytest
 from patient import in_threads
-from waiting import wait_until
+from waiting import PATIENCE, wait_until
 
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.devices.abb_simulated.serve_program import ProgramClient
+from workbench.devices.abb_socket.messages import REQUEST
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import LinkError
-from workbench.plugins.robot_link import Simulation
+from workbench.plugins.robot_link import LinkPatience, Simulation
 
 
 @pytest.fixture
@@ -67,3 +69,17 @@ def test_of_several_faults_the_first_is_told(left_away):
     assert body.state()["fault"] == "stopped by the client"
     body.halt("")
     assert body.state()["fault"] == ""
+
+
+def test_a_client_that_never_says_anything_leaves_the_port_to_the_next():
+    patience = LinkPatience(answer=0.2)
+    with in_threads() as started:
+        controller = started(
+            SimulatedController(read_cell("yumi"), Simulation(speed=50.0), patience=patience)
+        )
+        address = ("127.0.0.1", controller.port)
+        with socket.create_connection(address, PATIENCE) as silent:
+            assert silent.recv(len(REQUEST)) == REQUEST
+            assert silent.recv(1) == b"", "the controller closes the connection"
+            with socket.create_connection(address, PATIENCE) as next_one:
+                assert next_one.recv(len(REQUEST)) == REQUEST

@@ -268,3 +268,13 @@ def test_two_arms_are_refused(planned):
     cell = planned[0]
     with pytest.raises(InputError, match="moves one arm"):
         PickServer().check(replace(cell, arms=cell.arms * 2))
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "10.0.0.7", "::"])
+def test_a_server_on_the_network_names_its_robot(planned, host):
+    cell = planned[0]
+    controller = replace(cell.controller, host=host)
+    with pytest.raises(InputError, match=f"on {host} could be used by anybody"):
+        PickServer().check(replace(cell, controller=controller))
+    known = replace(controller, options={**controller.options, "client": "10.0.0.8"})
+    PickServer().check(replace(cell, controller=known))

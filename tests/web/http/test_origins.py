@@ -2,7 +2,8 @@
 
 import pytest
 
-from workbench.web.http.origins import Origins, is_loopback
+from workbench.plugins.addresses import is_loopback
+from workbench.web.http.origins import Origins
 
 
 @pytest.mark.parametrize(

@@ -28,9 +28,6 @@ STILL = 0.3
 
 KINDS = frozenset({".txt", ".json", ".tuple", ".tup"})
 
-PATIENCE = 10.0
-"""[s] For which a file waits to be taken while that is not in order, a task running say."""
-
 LONGEST_PROBLEM = 300
 """Characters of a problem that are reported."""
 
@@ -101,14 +98,12 @@ class PosesWatch:
             known, since = self._seen.get(path, (None, now))
             if known != stamp:
                 self._seen[path] = (stamp, now)
-            elif now - since >= self._still and (
-                self._take(path, folder) or now - since > PATIENCE
-            ):
+            elif now - since >= self._still and self._take(path, folder):
                 self._done[path] = stamp  # nothing is taken twice, whatever came of it
                 del self._seen[path]
 
     def _take(self, path: Path, folder: PosesFolder) -> bool:
-        """Read a file and hand its poses over; whether that was in order."""
+        """Read a file and hand its poses over; False where it has to wait until a task ends."""
         parts = self._bench.state.cell.parts
         command: Command
         try:

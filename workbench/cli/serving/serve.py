@@ -30,11 +30,11 @@ from workbench.formats.cells.reading import cell_path, part_folders, read_cell
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell, Controller
 from workbench.model.errors import InputError, JournalError
+from workbench.plugins.addresses import is_loopback
 from workbench.studies.stalls.watchdog import watch_stalls
 from workbench.web.access.identity import identify
 from workbench.web.api.routes import api_routes
 from workbench.web.api.taking_along import taking_along
-from workbench.web.http.origins import is_loopback
 from workbench.web.robot_jobs import robot_jobs
 
 SESSIONS = Path("sessions")

@@ -65,6 +65,7 @@ class SimulatedController:
             LinkError: a port is taken.
         """
         faults = [parse_fault(text) for text in simulation.faults]
+        self._patience = patience
         self._stop = threading.Event()
         self._body = SimulatedBody(
             cell, simulation.speed, simulation.record, simulation.trace, Faults(faults)
@@ -135,8 +136,9 @@ class SimulatedController:
             self._body.halt(str(error))
 
     def _first_byte(self, client: socket.socket) -> bytes:
-        """By which the protocol is known; empty when the client leaves before."""
-        while not self._stop.is_set():
+        """By which the protocol is known; empty when the client leaves before, or stays silent."""
+        until = self._patience.clock() + self._patience.answer
+        while not self._stop.is_set() and self._patience.clock() < until:
             self._refuse_others()
             if select.select([client], [], [], TICK)[0]:
                 return client.recv(1, socket.MSG_PEEK)

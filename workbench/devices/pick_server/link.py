@@ -23,6 +23,7 @@ from workbench.model.motion import MotionModel
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, LinkStatus, Receipt, RobotState
 from workbench.model.scan import Option
+from workbench.plugins.addresses import is_loopback
 from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import LinkPatience, Running, Simulation, check_approval
 
@@ -46,10 +47,15 @@ class PickServer:
         return motion_with(options)
 
     def check(self, cell: Cell) -> None:
-        """One arm, whose waypoints fit the lines."""
+        """One arm, whose waypoints fit the lines; a robot that is known by its address."""
         if len(cell.arms) != 1:
             raise InputError(
                 f"the robot link {self.motion.link} moves one arm; this cell has {len(cell.arms)}"
+            )
+        if not pick_options(cell).client and not is_loopback(cell.controller.host):
+            raise InputError(
+                f"the pick server on {cell.controller.host} could be used by anybody: state the "
+                "robot's address as `client`"
             )
         if cell.controller.motion.sends_poses:
             check_pose_lines(cell)

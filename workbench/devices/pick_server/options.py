@@ -44,7 +44,7 @@ class PickOptions:
     ask_s: float = option(
         10.0, low=1.0, high=600.0, says="how long a plan waits to be asked for [s]"
     )
-    client: str = option("", says="the only address that may connect; empty: any")
+    client: str = option("", says="the only address that may connect; empty: any of this computer")
     poses: str = option(
         "none",
         among=("none", *CONVENTIONS),

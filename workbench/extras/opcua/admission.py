@@ -17,9 +17,9 @@ from asyncua.server.user_managers import UserManager
 from workbench.app.core.people import Person
 from workbench.extras.opcua.bounds import CALLER
 from workbench.extras.opcua.certificates import problem
+from workbench.plugins.addresses import is_loopback
 from workbench.web.access.lockout import MOST, WHILE, LockedOut, Lockout
 from workbench.web.access.users import Users
-from workbench.web.http.origins import is_loopback
 
 log = logging.getLogger(__name__)
 

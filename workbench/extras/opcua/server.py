@@ -28,7 +28,7 @@ from workbench.extras.opcua.robotics.space import standard_space
 from workbench.extras.opcua.robotics.system import OWN, System
 from workbench.extras.opcua.values import VARIABLES, values_of
 from workbench.model.errors import FileError, InputError, WorkbenchError
-from workbench.web.http.origins import is_loopback
+from workbench.plugins.addresses import is_loopback
 
 log = logging.getLogger(__name__)
 

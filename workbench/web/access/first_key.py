@@ -4,8 +4,8 @@ import hmac
 import secrets
 import threading
 
+from workbench.plugins.addresses import is_loopback
 from workbench.web.access.users import Users
-from workbench.web.http.origins import is_loopback
 
 
 class FirstKey:

@@ -50,19 +50,6 @@ class Origins:
         return origin is not None and origin.casefold() == f"{self._scheme}://{host}".casefold()
 
 
-def is_loopback(host: str | None) -> bool:
-    """Whether an address, or the name of one, is reached from this machine alone."""
-    if host == "localhost":
-        return True
-    try:
-        address = ipaddress.ip_address(host or "")
-    except ValueError:
-        return False
-    if isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped is not None:
-        return address.ipv4_mapped.is_loopback
-    return address.is_loopback
-
-
 def network_of(address: str) -> str:
     """What counts as one address: whoever has one of IPv6 has all of a /64."""
     try:

@@ -11,7 +11,7 @@ from workbench.app.core.cycle.sending import SendPlan
 from workbench.app.core.cycle.watching import explain_unwatched
 from workbench.app.core.people import Person
 from workbench.app.core.state import Phase, State
-from workbench.web.http.origins import is_loopback
+from workbench.plugins.addresses import is_loopback
 
 STEPS = ("scan", "find", "plan", "preview", "approve", "send")
 """What the bench knows of, in the order in which it is done."""
