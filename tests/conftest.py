@@ -31,7 +31,7 @@ if platform.libc_ver()[0] == "glibc":
     ctypes.CDLL(None).mallopt(M_TRIM_THRESHOLD, 2**30)
 
 # A busy machine would have commands print that they are still at work, among what tests read.
-terminal.PATIENCE = 3600.0
+terminal.LINE_EVERY = 3600.0
 
 HERE = Path(__file__).parent
 

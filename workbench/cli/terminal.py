@@ -19,10 +19,10 @@ from workbench.model.errors import InputError
 from workbench.model.messages.message import Message
 from workbench.plugins.progress import Report
 
-PATIENCE = 15.0
+LINE_EVERY = 15.0
 """[s] Between two lines about what takes long."""
 
-WIDE = 120
+FILE_COLUMNS = 120
 """Columns of a table that goes into a file or a pipe."""
 
 
@@ -30,7 +30,7 @@ WIDE = 120
 def progress(title: str) -> Generator[Report]:
     """A bar for as long as the block runs; a line now and then where errors go to no terminal.
 
-    Such a line repeats the last report every `PATIENCE` s, so that a log shows that work goes on.
+    Such a line repeats the last report every `LINE_EVERY` s, so that a log shows that work goes on.
     """
     console = Console(stderr=True)
     if not console.is_terminal:
@@ -52,7 +52,7 @@ def _lines(title: str) -> Generator[Report]:
     status, ended, began = [(0.0, "")], threading.Event(), time.monotonic()
 
     def print_progress() -> None:
-        while not ended.wait(PATIENCE):
+        while not ended.wait(LINE_EVERY):
             done, note = status[0]
             so_far = f"{done:.0%} after {time.monotonic() - began:.0f} s"
             print(f"{title}: {note or 'at work'} ({so_far})", file=sys.stderr, flush=True)
@@ -78,7 +78,7 @@ def print_table(title: str, columns: Iterable[str], rows: Iterable[Iterable[str]
         table.add_row(*row)
     console = Console(markup=False, highlight=False)
     if not console.is_terminal:
-        console.width = WIDE
+        console.width = FILE_COLUMNS
     console.print(table)
 
 

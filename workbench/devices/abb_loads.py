@@ -14,7 +14,7 @@ import pinocchio as pin
 from workbench.model.geometry import Floats
 from workbench.model.load import Load
 
-LEAST = 0.001
+LEAST_MASS = 0.001
 """[kg] No controller takes less, nor (0, 0, 0) for a centre of gravity."""
 
 
@@ -39,7 +39,7 @@ def load_data(load: Load) -> LoadData:
     moments, axes = _principal(load.inertia)
     q = pin.Quaternion(axes)
     return LoadData(
-        max(round(load.mass, 3), LEAST),
+        max(round(load.mass, 3), LEAST_MASS),
         cog if any(cog) else (0.0, 0.0, 0.1),
         tuple(round(float(value), 4) + 0.0 for value in (q.w, q.x, q.y, q.z)),
         tuple((np.round(np.maximum(moments, 0.0), 5) + 0.0).tolist()),

@@ -22,7 +22,7 @@ from workbench.journal.schema import migrate
 from workbench.journal.writer import Writer
 from workbench.model.errors import JournalError
 
-FIRST = "0" * 64
+FIRST_HASH = "0" * 64
 """What stands before the first entry."""
 
 DATABASE = "journal.sqlite"
@@ -198,7 +198,7 @@ class Journal:
             JournalError: the journal cannot be read at all.
         """
         problems: list[str] = []
-        expected_number, previous = 1, FIRST
+        expected_number, previous = 1, FIRST_HASH
         checked: set[str] = set()
         for row in self.entries():
             if row.number != expected_number:
@@ -322,7 +322,7 @@ def _last(connection: sqlite3.Connection) -> tuple[int, str]:
     row = connection.execute(
         "SELECT number, hash FROM entries ORDER BY number DESC LIMIT 1"
     ).fetchone()
-    return row if row is not None else (0, FIRST)
+    return row if row is not None else (0, FIRST_HASH)
 
 
 def _files_of(connection: sqlite3.Connection, number: int) -> tuple[str, ...]:

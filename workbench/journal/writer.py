@@ -9,7 +9,7 @@ from pathlib import Path
 
 from workbench.model.errors import JournalError
 
-FILE = "writer.lock"
+LOCK_FILE = "writer.lock"
 
 
 class Writer:
@@ -29,7 +29,7 @@ class Writer:
         Raises:
             JournalError: another program has it, or the folder cannot be written.
         """
-        path = folder / FILE
+        path = folder / LOCK_FILE
         try:
             self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
         except OSError as error:

@@ -27,7 +27,7 @@ LEAST_RADIUS, MOST_RADIUS = 0.002, 0.2
 SPACING_LIMIT = 0.0003
 """[m] Of a sphere-spacing error, where nobody states another."""
 
-LONGEST = 5.0
+LONGEST_BAR = 5.0
 """[m] Of a ball bar."""
 
 
@@ -81,8 +81,8 @@ class BallArtefact:
             BallPlate(self.radius, lengths)
         elif not LEAST_RADIUS <= self.radius <= MOST_RADIUS:
             raise InputError(PlateText.BALLS())
-        elif not 2 * self.radius < lengths[0] <= LONGEST:
-            raise InputError(VerifyText.BAR_LENGTH(longest=f"{LONGEST:g}"))
+        elif not 2 * self.radius < lengths[0] <= LONGEST_BAR:
+            raise InputError(VerifyText.BAR_LENGTH(longest=f"{LONGEST_BAR:g}"))
         put(self, lengths=lengths)
 
     @property

@@ -167,7 +167,7 @@ class GraspLibrary:
 
     def entry_of(self, grasp: str) -> Entry | None:
         """The entry that a grasp, or what a symmetry makes of one, comes from; None: of none."""
-        authored = grasp.split(TURNED)[0]
+        authored = grasp.split(TURN_MARK)[0]
         return next((e for e in self.entries for g in grasps_of(e) if g.name == authored), None)
 
 
@@ -303,7 +303,7 @@ class Bin:
         )
 
 
-TURNED = "@"
+TURN_MARK = "@"
 """In a grasp's name, before the turn of the part's symmetry that it comes from."""
 
 
@@ -377,7 +377,7 @@ def with_symmetry(library: GraspLibrary, symmetry: Symmetry) -> tuple[Grasp, ...
     for grasp in library.grasps:
         for turn, motion in turns:
             T = motion * grasp.T_part_tcp
-            copy = replace(grasp, name=f"{grasp.name}{TURNED}{turn}", T_part_tcp=T)
+            copy = replace(grasp, name=f"{grasp.name}{TURN_MARK}{turn}", T_part_tcp=T)
             far = np.abs(places[: len(found)] - T.translation).max(axis=1)
             # In its own frame a grip may differ by SAME_PLACE along each axis.
             near = np.flatnonzero(far <= 2.0 * SAME_PLACE)

@@ -22,7 +22,7 @@ MOST_FOLD = 360
 MOST_TURNS = 720
 """Axes whose products are more than these make no group: they are stated wrongly."""
 
-SAME = float(np.deg2rad(0.3))
+SAME_TURN = float(np.deg2rad(0.3))
 """[rad] Rotations and axes that differ by less are one."""
 
 NONE, ROUND, BALL = "", "round", "ball"
@@ -82,7 +82,9 @@ class Symmetry:
         main, *others = self.axes
         for other_axis in others:
             cosine = abs(float(main.axis @ other_axis.axis))
-            if cosine < np.cos(SAME) and not (other_axis.fold == 2 and cosine < np.sin(SAME)):
+            if cosine < np.cos(SAME_TURN) and not (
+                other_axis.fold == 2 and cosine < np.sin(SAME_TURN)
+            ):
                 return BALL
         return ROUND
 
@@ -105,11 +107,11 @@ class Symmetry:
             for step in steps:
                 new = known @ step
                 if main.fold == 0:
-                    is_known = any(float(main.axis @ (new @ R.T) @ main.axis) > np.cos(SAME)
+                    is_known = any(float(main.axis @ (new @ R.T) @ main.axis) > np.cos(SAME_TURN)
                                    for R in found)  # fmt: skip
                 else:
                     cosines = (np.einsum("nij,kij->nk", about @ new, np.array(found)) - 1) / 2
-                    is_known = bool(cosines.max() > np.cos(SAME))
+                    is_known = bool(cosines.max() > np.cos(SAME_TURN))
                 if not is_known:
                     found.append(new)
                     if len(found) * len(about) > MOST_TURNS:
@@ -156,7 +158,7 @@ class Symmetry:
         if not axes:
             return np.array(p)
         main = axes[0].axis
-        if all(abs(float(main @ axis.axis)) >= np.cos(SAME) for axis in axes):
+        if all(abs(float(main @ axis.axis)) >= np.cos(SAME_TURN) for axis in axes):
             return point + float((p - point) @ main) * main
         return point
 

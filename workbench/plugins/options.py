@@ -16,7 +16,7 @@ from workbench.model.scan import Option
 Options = Mapping[str, Option]
 """Checked keys and values; empty where nothing was given."""
 
-KINDS: dict[type, tuple[str, str]] = {
+OPTION_TYPES: dict[type, tuple[str, str]] = {
     bool: ("boolean", "true or false"),
     int: ("integer", "a whole number"),
     float: ("number", "a number"),
@@ -58,7 +58,7 @@ def options_of(kind: type, given: Options) -> Any:
             raise InputError(f"{key} is not known here (known: {', '.join(fields)})")
     for name, field in fields.items():
         if name not in given and field.default is dataclasses.MISSING:
-            raise InputError(f"{name} is missing; {KINDS[hints[name]][1]} is expected")
+            raise InputError(f"{name} is missing; {OPTION_TYPES[hints[name]][1]} is expected")
     checked = {key: _check(fields[key], hints[key], value) for key, value in given.items()}
     return kind(**checked)
 
@@ -70,7 +70,7 @@ def schema_of(kind: type) -> dict[str, Any]:
     if dataclasses.is_dataclass(kind):
         hints = get_type_hints(kind)
         for field in dataclasses.fields(kind):
-            form: dict[str, Any] = {"type": KINDS[hints[field.name]][0]}
+            form: dict[str, Any] = {"type": OPTION_TYPES[hints[field.name]][0]}
             low, high = _limits(field)
             form |= {"minimum": low} if math.isfinite(low) else {}
             form |= {"maximum": high} if math.isfinite(high) else {}
@@ -103,7 +103,7 @@ def _is_finite(value: float) -> bool:
 
 
 def _check(field: "dataclasses.Field[Any]", kind: type, value: Any) -> Any:
-    expected = KINDS[kind][1]
+    expected = OPTION_TYPES[kind][1]
     is_right = isinstance(value, (int, float) if kind is float else kind)
     if not is_right or (isinstance(value, bool) and kind is not bool):
         raise InputError(f"{field.name}: {expected} is expected, {value!r} is given")

@@ -13,7 +13,7 @@ from workbench.model.scan import Detection
 from workbench.perception.matching.pose_error import pose_error
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, never, silent
-from workbench.studies.localization import NEAR, TURNED
+from workbench.studies.localization import RIGHT_TURN, RIGHT_WITHIN
 
 BY_HAND = 3.0
 """This many times as far from where a person has put a part may a right detection be.
@@ -129,7 +129,7 @@ def _error(case: Case, stated: Detection, found: Detection) -> float:
         roll_known=stated.roll_known and found.roll_known,
         roll_axis=stated.roll_axis if found.roll_known else found.roll_axis,
     )
-    return max(distance / NEAR, turn / TURNED)
+    return max(distance / RIGHT_WITHIN, turn / RIGHT_TURN)
 
 
 def held_cases(paths: Iterable[Path], report: Report = silent) -> list[Held]:

@@ -35,7 +35,7 @@ from workbench.studies.bop.precision import Estimate, Judged, detection_figures
 from workbench.studies.cases import percentiles
 from workbench.studies.sureness import sureness
 
-NEAR, TURNED = 0.002, float(np.deg2rad(3.0))
+RIGHT_WITHIN, RIGHT_TURN = 0.002, float(np.deg2rad(3.0))
 """[m], [rad] A detection that is further from a true pose is wrong."""
 
 CLEAR = 0.6
@@ -258,7 +258,7 @@ def compare(
                 Found(None, None, detection.roll_known, False, None, detection.probability)
             )
             continue
-        fits = {k: d <= NEAR and turn <= TURNED for k, (d, turn) in errors.items()}
+        fits = {k: d <= RIGHT_WITHIN and turn <= RIGHT_TURN for k, (d, turn) in errors.items()}
         best = min(errors, key=lambda k: (not fits[k], errors[k]))
         surface = mssd(kind, truth[best].T_world_part, detection.T_world_part)
         found.append(

@@ -15,7 +15,7 @@ from workbench.model.candidate import Candidate
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
-from workbench.model.part import TURNED, Part, PartPlace
+from workbench.model.part import TURN_MARK, Part, PartPlace
 from workbench.model.scan import Detection
 from workbench.perception.matching.pose_error import pose_error
 from workbench.perception.simulation.gripping import Gripping, HeldPart, Shaking
@@ -26,12 +26,11 @@ from workbench.planning.grasps.pads import has_pads
 from workbench.planning.kinematics.quickness import hand_acceleration
 from workbench.planning.picking.propose import propose
 from workbench.planning.placing.budget import Budget, budget_of
-from workbench.planning.placing.chance import SURE, draw_errors, within
+from workbench.planning.placing.chance import CONFIDENCE, draw_errors, within
 from workbench.planning.placing.sources import calibration_error, localization_error
 from workbench.plugins.progress import Report, never, silent
 from workbench.studies.cases import run_cases
-from workbench.studies.localization import BUILDS, NEAR
-from workbench.studies.localization import TURNED as TOO_FAR
+from workbench.studies.localization import BUILDS, RIGHT_TURN, RIGHT_WITHIN
 
 GRASPS, EACH = 4, 20
 """Grasps that are tried of a part as it lies, and how often each is."""
@@ -70,7 +69,7 @@ class Case:
 class Gripped:
     """All grips of one part by one grasp: what was said, and what became of each.
 
-    `chance` 0..1 is what is said, `shift` [m] and `turn` [rad] are said of `SURE` of all picks.
+    `chance` 0..1 is predicted, `shift` [m] and `turn` [rad] for `CONFIDENCE` of all picks.
     `shifts` (n,) [m] and `turns` (n,) [rad] were measured, infinite where the part is not in the
     hand; `is_right` says which are within the tolerances, `was_right` which were before the hand
     moved; `slipped`, `tipped`, `lost` and `missed` are counted.
@@ -147,7 +146,7 @@ def look_at(case: Case) -> tuple[Cell, Part, Detection] | None:
             roll_known=found.roll_known,
             roll_axis=found.roll_axis,
         )
-        if far <= NEAR and turn <= TOO_FAR and found.covariance is not None:
+        if far <= RIGHT_WITHIN and turn <= RIGHT_TURN and found.covariance is not None:
             covariance = found.covariance * case.wider**2
             return cell, part, replace(found, T_world_part=true, covariance=covariance)
     return None
@@ -263,7 +262,7 @@ def summary(results: Sequence[Gripped]) -> dict[str, Any]:
 
 def entry_of(grasp: str) -> str:
     """The name of a grasp without the turn that a symmetry has made of it."""
-    return grasp.split(TURNED)[0]
+    return grasp.split(TURN_MARK)[0]
 
 
 def _row(results: Sequence[Gripped]) -> dict[str, Any]:
@@ -284,7 +283,7 @@ def _row(results: Sequence[Gripped]) -> dict[str, Any]:
         "measured": right,
         "difference": said - right,
         "closed": float(np.mean([right for result in results for right in result.was_right])),
-        "stated": SURE,
+        "stated": CONFIDENCE,
         "within_shift": float(shares[0]),
         "within_turn": float(shares[1]),
         **{

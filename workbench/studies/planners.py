@@ -22,7 +22,7 @@ from workbench.plugins.planner import planner_named
 from workbench.plugins.progress import Report
 from workbench.studies.targets import Target, drawn_poses, judge_targets
 
-STEPS = 20
+POINTS_A_SEGMENT = 20
 """Points at which the tool's way is measured, on each segment of a path."""
 
 
@@ -115,7 +115,7 @@ class Course:
     def tool_way(self, path: Floats) -> float:
         """How far the tool centre point moves along straight joint segments (m, n) [m]."""
         chain = self.world.chains[self.arm.name]
-        shares = np.linspace(0.0, 1.0, STEPS + 1)[1:, None]
+        shares = np.linspace(0.0, 1.0, POINTS_A_SEGMENT + 1)[1:, None]
         points = [chain.pose(path[0]).translation]
         for a, b in pairwise(path):
             points += [chain.pose(q).translation for q in a + shares * (b - a)]

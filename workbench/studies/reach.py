@@ -21,7 +21,7 @@ from workbench.studies.targets import Outcome, Target, judge_targets, looked_at,
 GRID = (5, 5, 3)
 """Tool poses along the bin's length, width and depth."""
 
-TURNS = (0.0, np.pi / 4, np.pi / 2, 3 * np.pi / 4)
+VERTICAL_TURNS = (0.0, np.pi / 4, np.pi / 2, 3 * np.pi / 4)
 """[rad] About the vertical, each at every place of the grid."""
 
 
@@ -133,7 +133,7 @@ def _down_poses(bin: Bin) -> list[pin.SE3]:
     for x in (shares[0] - 0.5) * length:
         for y in (shares[1] - 0.5) * width:
             for z in shares[2] * height:
-                for turn in TURNS:
+                for turn in VERTICAL_TURNS:
                     T_bin_tcp = pose_from_rpy((x, y, z), (np.pi, 0.0, turn))
                     poses.append(bin.T_world_bin * T_bin_tcp)
     return poses

@@ -10,7 +10,7 @@ from workbench.model.scan import LocalizationResult, Scan
 from workbench.planning.planners.clock import processor_time
 from workbench.plugins.progress import never, silent
 
-SURE = 0.5
+SURE_PROBABILITY = 0.5
 """The chance with which a part counts as surely found."""
 
 
@@ -30,7 +30,10 @@ class SearchedScan:
     @property
     def sure(self) -> int:
         """How many parts are rather there than not."""
-        return sum((detection.probability or 0.0) >= SURE for detection in self.result.detections)
+        return sum(
+            (detection.probability or 0.0) >= SURE_PROBABILITY
+            for detection in self.result.detections
+        )
 
 
 def searched_scans(

@@ -16,7 +16,7 @@ from workbench.planning.kinematics.inverse import configurations
 TILT = np.deg2rad(20.0)
 """[rad] The tool points straight down except for up to this turn about y, to either side."""
 
-STARTS = 24
+IK_STARTS = 24
 """Starting points of the inverse kinematics for each target."""
 
 Outcome = Literal["clear", "out of reach", "in collision"]
@@ -67,7 +67,9 @@ def starts_of(world: World, arm: Arm, seed: int) -> Floats:
     """Where the inverse kinematics begins, (s, n) [rad], home first."""
     chain = world.chains[arm.name]
     rng = np.random.default_rng([seed, 1])
-    return np.vstack([arm.home, rng.uniform(chain.lower, chain.upper, (STARTS - 1, len(arm.home)))])
+    return np.vstack(
+        [arm.home, rng.uniform(chain.lower, chain.upper, (IK_STARTS - 1, len(arm.home)))]
+    )
 
 
 def looked_at(

@@ -12,7 +12,7 @@ from workbench.plugins.localizer import Localizer
 from workbench.plugins.progress import never, silent
 from workbench.testing.options import check_options
 
-NEAR = 0.01
+RIGHT_WITHIN = 0.01
 """[m] So far a part that was found may lie from one that is there."""
 
 
@@ -53,7 +53,7 @@ def check_localizer(
     for detection in found.detections:
         assert detection.part in known, f"the cell has no part {detection.part!r}"
         off = min(float(np.linalg.norm(detection.T_world_part.translation - p)) for p in there)
-        assert off < NEAR, f"a part was found {off * 1000:.0f} mm from where one lies"
+        assert off < RIGHT_WITHIN, f"a part was found {off * 1000:.0f} mm from where one lies"
     assert len(found.detections) > parts / 2, f"{len(found.detections)} of {parts} were found"
     again = find()
     assert len(again.detections) == len(found.detections) and all(

@@ -22,7 +22,7 @@ from workbench.plugins.robot_link import (
 )
 from workbench.testing.options import check_options
 
-PATIENCE = 120.0
+LONGEST_WAIT = 120.0
 """[s] For what has to come at some time; only a link that hangs takes so long."""
 
 
@@ -40,7 +40,7 @@ def simulated(
     wanted = Simulation(host, 0, 0, speed, None, None, (), float("inf"))
     thread = threading.Thread(target=link.serve, args=(cell, wanted, ready), daemon=True)
     thread.start()
-    assert began.wait(PATIENCE), "the simulated controller did not start"
+    assert began.wait(LONGEST_WAIT), "the simulated controller did not start"
     at = replace(
         cell.controller,
         host=host,
@@ -51,7 +51,7 @@ def simulated(
         yield replace(cell, controller=at)
     finally:
         running[0].stop()
-        thread.join(PATIENCE)
+        thread.join(LONGEST_WAIT)
         assert not thread.is_alive(), "the simulated controller did not stop"
 
 
@@ -73,7 +73,7 @@ def check_robot_link(
     )
     check_options(link.Options, cell.controller.options)
     link.check(cell)
-    patience = LinkPatience(PATIENCE, PATIENCE, PATIENCE, PATIENCE, PATIENCE)
+    patience = LinkPatience(LONGEST_WAIT, LONGEST_WAIT, LONGEST_WAIT, LONGEST_WAIT, LONGEST_WAIT)
     with simulated(link, cell, 100.0, host) as there:
         shown: list[LinkStatus] = []
         receipts = list(send(plan, approval, there, show=shown.append, patience=patience))
@@ -93,7 +93,9 @@ def check_robot_link(
         began, taken = time.monotonic(), list[Receipt]()
 
         def is_enough() -> bool:
-            assert time.monotonic() - began < PATIENCE, "`cancelled` is to be asked all the time"
+            assert time.monotonic() - began < LONGEST_WAIT, (
+                "`cancelled` is to be asked all the time"
+            )
             return bool(taken)
 
         try:
@@ -124,7 +126,7 @@ def _check_receipts(link: RobotLink, plan: Plan, receipts: list[Receipt]) -> Non
 def _check_states(link: RobotLink, plan: Plan, cell: Cell, receipts: list[Receipt]) -> None:
     """What is reported can be, and somebody tells what became of parts, or it is said of nobody."""
     began = time.monotonic()
-    reports = states(cell, lambda: time.monotonic() - began > PATIENCE)
+    reports = states(cell, lambda: time.monotonic() - began > LONGEST_WAIT)
     has_outcome = any(receipt.part is not None for receipt in receipts)
     has_outcome = has_outcome or not getattr(link, "tells_of_parts", True)
     for state in reports:

@@ -15,7 +15,7 @@ ENGLISH = "en"
 COMMAS = ("de", "it", "fr", "es")
 """Languages that group digits by a narrow blank."""
 
-NARROW = "\u202f"
+NARROW_SPACE = "\u202f"
 
 _THOUSANDS = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
 
@@ -54,7 +54,7 @@ class Words:
         if isinstance(message, str):
             return self.say(message)
         said = self._said_within(message).render(self._template)
-        return _THOUSANDS.sub(NARROW, said) if self._has_commas else said
+        return _THOUSANDS.sub(NARROW_SPACE, said) if self._has_commas else said
 
     def _template(self, text: Text) -> str:
         return self._by_id.get(text.id, text.template)

@@ -146,7 +146,7 @@ def test_so_many_cases_are_kept_and_the_same_one_once(samples, keep, tmp_path, m
 
 
 def test_what_is_too_large_to_be_read_is_not_written(samples, keep, tmp_path, monkeypatch):
-    monkeypatch.setattr(cases, "LARGEST", 20_000)
+    monkeypatch.setattr(cases, "LARGEST_CASE", 20_000)
     with pytest.raises(FileError, match="would have 0 MB; up to 0 are stored"):
         keep(searched(samples, *samples.detections()))
     assert list((tmp_path / "cases").iterdir()) == []

@@ -5,7 +5,7 @@ import zipfile
 
 import pytest
 
-from workbench.app.records.keeping import KINDS, write_backup
+from workbench.app.records.keeping import BACKED_UP_FOLDERS, write_backup
 from workbench.app.records.restoring import KEPT_USERS, Thing, look_apart, restore_apart
 from workbench.formats.files.shipped import find
 from workbench.model.errors import InputError
@@ -24,7 +24,7 @@ def content(home):
 
 def test_looking_changes_nothing_and_restoring_what_was_told(home, tmp_path):
     kept = tmp_path / "kept.zip"
-    write_backup(home, kept, KINDS[:-1], {})
+    write_backup(home, kept, BACKED_UP_FOLDERS[:-1], {})
     first = content(home)
     (home / "robots" / "tx2_90" / "cell.toml").write_text("mine")
     before = content(home)
@@ -47,7 +47,7 @@ def test_looking_changes_nothing_and_restoring_what_was_told(home, tmp_path):
 )
 def test_what_is_broken_or_hostile_is_refused_whole(home, tmp_path, changed, says):
     kept, bad = tmp_path / "kept.zip", tmp_path / "bad.zip"
-    write_backup(home, kept, KINDS[:-1], {})
+    write_backup(home, kept, BACKED_UP_FOLDERS[:-1], {})
     with zipfile.ZipFile(kept) as old, zipfile.ZipFile(bad, "w", zipfile.ZIP_DEFLATED) as new:
         for name, data in ({name: old.read(name) for name in old.namelist()} | changed).items():
             new.writestr(name, data)

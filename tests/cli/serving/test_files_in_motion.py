@@ -6,7 +6,7 @@ import re
 import pytest
 from waiting import PATIENCE
 
-from workbench.cli.measuring.page.page_process import NAME, serve_page
+from workbench.cli.measuring.page.page_process import PROCESS_NAME, serve_page
 from workbench.studies.stalls.actions import choose_file, has_ended, let_out, open_page, plan_two
 from workbench.studies.stalls.large_files import CAD, cad_file
 from workbench.studies.stalls.visit import visit
@@ -40,7 +40,7 @@ def at(page, use):
     async def bounded():
         async with (
             asyncio.timeout(TRIES * PATIENCE),
-            visit(page.url, NAME, PASSWORD, page.token) as one,
+            visit(page.url, PROCESS_NAME, PASSWORD, page.token) as one,
         ):
             await open_page(one)
             return await use(one)

@@ -35,7 +35,7 @@ def test_each_record_is_one_object_whatever_is_in_it(tmp_path):
 
 
 def test_the_files_stay_small_and_few(tmp_path, monkeypatch):
-    monkeypatch.setattr(logs, "LARGEST", 1000)
+    monkeypatch.setattr(logs, "LARGEST_LOG", 1000)
     begin_log(tmp_path / "log.jsonl")
     for number in range(200):
         logging.getLogger("workbench.tested").warning("line %d", number)

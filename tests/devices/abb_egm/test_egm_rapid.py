@@ -231,9 +231,9 @@ def test_where_nobody_answers_egm_ends_and_is_taken_up_anew(planned):
     with heard, modules_run(cell, speed=1.0) as (one, _):
         heard.bind(("127.0.0.1", one.port))
         heard.settimeout(PATIENCE)
-        numbers = [wire.read_feedback(heard.recv(wire.LONGEST), 7).number]
+        numbers = [wire.read_feedback(heard.recv(wire.LONGEST_MESSAGE), 7).number]
         while numbers[-1] >= numbers[0]:
-            numbers.append(wire.read_feedback(heard.recv(wire.LONGEST), 7).number)
+            numbers.append(wire.read_feedback(heard.recv(wire.LONGEST_MESSAGE), 7).number)
         assert one.written == [], "outside of a plan it is no fault"
 
 

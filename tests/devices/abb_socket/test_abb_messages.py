@@ -8,7 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shipped import shipped
 
-from workbench.devices.abb_socket.messages import LONGEST, Commands, Requests, encode, messages
+from workbench.devices.abb_socket.messages import (
+    LONGEST_STRING,
+    Commands,
+    Requests,
+    encode,
+    messages,
+)
 from workbench.model.errors import InputError, ProtocolError
 
 CELL = shipped("yumi")
@@ -41,7 +47,7 @@ def test_messages_are_those_of_the_protocol_byte_for_byte():
 def test_a_configuration_survives_the_wire_however_it_is_split(shares, cuts):
     q = LOWER + (UPPER - LOWER) * np.array(shares)
     message = encode(RIGHT, "in", q)
-    assert len(message.text) <= LONGEST
+    assert len(message.text) <= LONGEST_STRING
     commands = Commands(CELL)
     assert hear_all(commands, "startR#").kind == "start"
     heard = hear_all(commands, message.text, cuts)
@@ -103,7 +109,7 @@ def test_garbage_ends_in_a_protocol_error_or_in_waiting(pieces):
             commands.hear(piece)
     except ProtocolError:
         return
-    assert len(commands._heard) <= LONGEST
+    assert len(commands._heard) <= LONGEST_STRING
 
 
 def test_requests_come_in_any_pieces_but_one_at_a_time():

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from workbench.devices.rapid.kinematics import Axes
-from workbench.devices.rapid.motion import CORNER_PATH, PREFETCH, STEP, JointWay, Mechanism, pair
+from workbench.devices.rapid.motion import (
+    CORNER_PATH,
+    PREFETCH,
+    TIME_STEP,
+    JointWay,
+    Mechanism,
+    pair,
+)
 from workbench.planning.kinematics.robot import Kinematics
 
 FAR = 1000.0
@@ -24,7 +31,7 @@ def run(*robots, steps=100_000):
     for _ in range(steps):
         pair(robots)
         for one, where in zip(robots, seen, strict=True):
-            one.advance(STEP)
+            one.advance(TIME_STEP)
             where.append(np.array(one.here))
         if all(one.is_standing for one in robots):
             return [np.array(where) for where in seen]
@@ -63,10 +70,10 @@ def test_a_corner_stays_in_its_triangle_and_keeps_the_speed(seed):
         one.add(each)
     (path,) = run(one)
     assert np.allclose(path[-1], points[-1])
-    took = (len(path) - 1) * STEP
-    assert took == pytest.approx(sum(each.seconds for each in ways), abs=2 * STEP)
+    took = (len(path) - 1) * TIME_STEP
+    assert took == pytest.approx(sum(each.seconds for each in ways), abs=2 * TIME_STEP)
     most = max(np.abs(np.diff(each.path, axis=0)[0] / each.seconds).max() for each in ways)
-    assert np.abs(np.diff(path, axis=0)).max() / STEP <= most * (1 + 1e-6)
+    assert np.abs(np.diff(path, axis=0)).max() / TIME_STEP <= most * (1 + 1e-6)
     corners = [
         (b + share * (a - b), b, b + 0.5 * (c - b))
         for a, b, c, share in zip(points, points[1:], points[2:], shares, strict=False)
@@ -102,13 +109,13 @@ def test_the_program_goes_on_shortly_before_a_zone_and_after_a_stop_point():
     one.add(first)
     passed = 0
     while not one.lets_on(first):
-        one.advance(STEP)
+        one.advance(TIME_STEP)
         passed += 1
-    assert passed * STEP == pytest.approx(0.7 - PREFETCH, abs=2 * STEP)
+    assert passed * TIME_STEP == pytest.approx(0.7 - PREFETCH, abs=2 * TIME_STEP)
     last = way((10, 0), (10, 10), seconds=1.0)
     one.add(last)
     while not one.lets_on(last):
-        one.advance(STEP)
+        one.advance(TIME_STEP)
     assert np.allclose(one.here, (10, 10))
 
 
@@ -138,7 +145,7 @@ def test_robots_in_step_pass_their_points_together():
         other.add(way(a, b, seconds=0.6, share=share / 2, number=k))
     mine, theirs = run(one, other)
     assert np.allclose(mine, theirs)
-    assert (len(mine) - 1) * STEP == pytest.approx(0.6 + 0.8 + 0.6, abs=2 * STEP)
+    assert (len(mine) - 1) * TIME_STEP == pytest.approx(0.6 + 0.8 + 0.6, abs=2 * TIME_STEP)
 
 
 def test_robots_in_step_wait_for_each_other_and_differ_in_no_number():

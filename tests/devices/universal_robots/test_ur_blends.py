@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from twins import PATIENT, approved_for, legs_of, twin_of
 
-from workbench.devices.universal_robots.blends import LEAST, blend_lines, seconds_of_all
+from workbench.devices.universal_robots.blends import LEAST_RADIUS, blend_lines, seconds_of_all
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.link import UrRtdeBlend
 from workbench.devices.universal_robots.program import ProgramSettings, program_of
@@ -190,7 +190,7 @@ def test_where_the_flange_stays_a_corner_is_not_blended(planned):
 def test_radii_are_within_what_is_asked_and_none_without_a_zone(planned):
     cell, plan, approval = planned
     radii = [line.r for _, lines in moves_of(cell, plan, approval, 0.004) for line in lines]
-    assert 0.0 < max(radii) <= 0.004 and min(one for one in radii if one) >= LEAST
+    assert 0.0 < max(radii) <= 0.004 and min(one for one in radii if one) >= LEAST_RADIUS
     stopping = replace(cell, policy=replace(cell.policy, zone=0.0))
     blending, plain = (ProgramSettings(0, 0.5, 2.0, blend) for blend in (0.05, 0.0))
     assert ", r=" not in program_of(stopping, plan, approval, blending).text

@@ -14,7 +14,7 @@ from workbench.devices.universal_robots import talking
 from workbench.devices.universal_robots.following import Following
 from workbench.devices.universal_robots.link import UrRtdeServo
 from workbench.devices.universal_robots.program import ProgramSettings, program_of
-from workbench.devices.universal_robots.sending import OFF
+from workbench.devices.universal_robots.sending import FOLLOWING_TOLERANCE
 from workbench.devices.universal_robots.servo import (
     CLOSE,
     PERIOD,
@@ -184,7 +184,7 @@ def test_a_doubt_stops_the_robot(planned, host, fault, says):
         if "stray" in fault:
             legs = legs_of(plan)
             q = np.asarray(cell.arms[0].from_axes(twin.q))
-            assert off_the_references(q, legs[1].q).max() > OFF
+            assert off_the_references(q, legs[1].q).max() > FOLLOWING_TOLERANCE
 
 
 def test_a_client_that_stands_still_ends_the_stream_by_the_controllers_watchdog(

@@ -57,7 +57,7 @@ class Opened:
 
     def chain_anew(self, change) -> None:
         """Rewrite every entry's hash after `change(number, body)` has changed bodies."""
-        previous, script = verify.FIRST, []
+        previous, script = verify.FIRST_HASH, []
         for one in self.entries:
             body = change(one.number, one.body)
             chained = verify.hash_of(previous, one.number, one.kind, body, one.files)

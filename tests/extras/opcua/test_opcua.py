@@ -23,7 +23,7 @@ from workbench.extras.opcua.server import MOST_CLIENTS, NAMESPACE, OpcUa
 from workbench.extras.opcua.values import VARIABLES
 from workbench.journal.journal import Journal
 from workbench.model.errors import InputError
-from workbench.web.access.lockout import MOST, WHILE
+from workbench.web.access.lockout import MOST_FAILURES, WHILE
 
 PLC = Person("plc", Role.OPERATOR)
 
@@ -224,7 +224,7 @@ def test_passwords_are_not_tried_one_after_the_other(serve):
         async with client:
             return True
 
-    for number in range(MOST):
+    for number in range(MOST_FAILURES):
         with pytest.raises(ua.UaError):
             asyncio.run(come(f"guess {number}"))
     with pytest.raises(ua.UaError):
@@ -234,7 +234,7 @@ def test_passwords_are_not_tried_one_after_the_other(serve):
 def test_the_door_opens_again_after_a_while():
     clock = [0.0]
     door = Door(OpcUaOptions(0, PLC, password="secret"), now=lambda: clock[0])
-    for _ in range(MOST):
+    for _ in range(MOST_FAILURES):
         assert door.get_user(None, "plc", "guess") is None
     assert door.get_user(None, "plc", "secret") is None
     clock[0] = WHILE

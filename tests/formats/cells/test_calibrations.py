@@ -9,7 +9,7 @@ from arm_scanner_cell import on_arm_cell
 from shipped import shipped
 
 from workbench.formats.cells.calibrations import (
-    FILE,
+    CALIBRATION_FILE,
     ScannedPose,
     read_scanned_poses,
     write_scanned_poses,
@@ -140,7 +140,9 @@ def test_joint_values_are_those_that_a_controller_with_coupled_axes_shows(tmp_pa
     cell = replace(SHIPPED, arms=(arm, *SHIPPED.arms[1:]))
     (pose, *_) = scans(tmp_path)
     write_scanned_poses(tmp_path, cell, arm, BallPlate(), [pose])
-    (line,) = [one for one in (tmp_path / FILE).read_text().splitlines() if "joints_deg" in one]
+    (line,) = [
+        one for one in (tmp_path / CALIBRATION_FILE).read_text().splitlines() if "joints_deg" in one
+    ]
     shown = [float(word) for word in line.partition("[")[2].rstrip("]").split(",")]
     axes = np.rad2deg(arm.to_axes(pose.q))
     assert np.allclose(shown[2], axes[2] - axes[1], atol=1e-3)
@@ -163,12 +165,12 @@ def test_joint_values_are_those_that_a_controller_with_coupled_axes_shows(tmp_pa
 )
 def test_a_wrong_folder_is_refused_with_file_and_key(tmp_path, old, new, problem):
     write_scanned_poses(tmp_path, SHIPPED, ARM, BallPlate(), scans(tmp_path))
-    text = (tmp_path / FILE).read_text()
+    text = (tmp_path / CALIBRATION_FILE).read_text()
     assert old in text
-    (tmp_path / FILE).write_text(text.replace(old, new))
+    (tmp_path / CALIBRATION_FILE).write_text(text.replace(old, new))
     with pytest.raises(FileError, match=problem) as refused:
         read_scanned_poses(tmp_path, SHIPPED)
-    assert FILE in str(refused.value)
+    assert CALIBRATION_FILE in str(refused.value)
 
 
 def test_an_arm_that_cannot_stand_there_is_refused(tmp_path):
@@ -181,7 +183,7 @@ def test_an_arm_that_cannot_stand_there_is_refused(tmp_path):
 
 
 def test_no_folder_and_no_poses_are_refused(tmp_path):
-    with pytest.raises(InputError, match=FILE):
+    with pytest.raises(InputError, match=CALIBRATION_FILE):
         read_scanned_poses(tmp_path / "nowhere", SHIPPED)
     write_scanned_poses(tmp_path, SHIPPED, ARM, BallPlate(), [])
     with pytest.raises(FileError, match="1 to 60 poses are expected, 0 are given"):
@@ -210,14 +212,14 @@ def test_a_plate_that_stands_is_of_the_arm_with_the_scanner_alone(tmp_path):
     left = replace(cell.arm("left"), home=np.asarray(ARM.home))
     (pose, *_) = scans(tmp_path)
     write_scanned_poses(tmp_path, cell, left, BallPlate(), [pose])
-    text = (tmp_path / FILE).read_text()
+    text = (tmp_path / CALIBRATION_FILE).read_text()
     assert "stands = true" in text and read_scanned_poses(tmp_path, cell).arm == "left"
     with pytest.raises(FileError, match=r"plate.stands: the scanner of this cell stands"):
         read_scanned_poses(tmp_path, SHIPPED)
-    (tmp_path / FILE).write_text(text.replace("stands = true", "stands = false"))
+    (tmp_path / CALIBRATION_FILE).write_text(text.replace("stands = true", "stands = false"))
     with pytest.raises(FileError, match=r"plate.stands: an arm carries the scanner"):
         read_scanned_poses(tmp_path, cell)
-    (tmp_path / FILE).write_text(text.replace('arm = "left"', 'arm = "right"'))
+    (tmp_path / CALIBRATION_FILE).write_text(text.replace('arm = "left"', 'arm = "right"'))
     with pytest.raises(FileError, match="arm: 'right' is not one of left"):
         read_scanned_poses(tmp_path, cell)
 

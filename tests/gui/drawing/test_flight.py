@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from workbench.gui.drawing.flight import (
-    FAR,
+    FARTHEST_VIEW,
     FRAMES,
-    NEAR,
+    NEAREST_VIEW,
     CameraFlight,
     camera_between,
     camera_near,
@@ -52,7 +52,7 @@ def test_it_looks_along_the_same_direction_from_not_too_far(distance):
     away = np.array([0.6, 0.0, 0.8])
     position, centre = camera_near((SEEN[1] + away * distance, SEEN[1]), POINT)
     assert np.array_equal(centre, POINT)
-    expected = min(max(distance, NEAR), FAR)
+    expected = min(max(distance, NEAREST_VIEW), FARTHEST_VIEW)
     np.testing.assert_allclose(position - centre, away * expected)
 
 

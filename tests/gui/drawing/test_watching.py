@@ -18,7 +18,7 @@ from workbench.app.runtime.live import Live
 from workbench.gui.calibration.panel import CalibrationPanel
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.cycle.panel import CyclePanel
-from workbench.gui.drawing.audience import STEP
+from workbench.gui.drawing.audience import LONGEST_GAP
 from workbench.gui.drawing.in_view import HandWays, are_seen
 from workbench.gui.drawing.own_scene import OwnScene
 from workbench.gui.grasps.panel import GraspsPanel
@@ -64,7 +64,7 @@ def test_a_plan_that_was_skipped_through_was_not_watched(page, planned, sit_down
     bench.wait(lambda state: state.watched != (), PATIENCE)
     assert bench.state.watched == ("operator",)
     # No more than 1 s apart: docs/safety.md promises it.
-    assert hands.browser.drawn > end / STEP and STEP <= 1.0
+    assert hands.browser.drawn > end / LONGEST_GAP and LONGEST_GAP <= 1.0
 
 
 def test_what_plays_faster_than_the_robot_moves_was_not_watched(page, planned, sit_down):
@@ -103,14 +103,14 @@ def test_what_plays_before_nobody_was_not_watched(page, planned):
 def test_a_browser_that_does_not_draw_holds_the_plan_and_has_not_watched(page, planned, sit_down):
     hands, look = sit_down(), page._renderer._look
     hands.play()
-    wait_until(lambda: look.now.time > STEP, "the plan to play")
+    wait_until(lambda: look.now.time > LONGEST_GAP, "the plan to play")
     hands.browser.is_in_front = False
     wait_until(lambda: hands.renderer._player._audience._drawn >= look.now.time, "a drawing")
     drawn = hands.browser.drawn
 
     def stands() -> bool:
         at = look.now.time
-        time.sleep(2 * STEP)
+        time.sleep(2 * LONGEST_GAP)
         return look.now.time == at
 
     wait_until(stands, "the plan to be held")
@@ -127,7 +127,7 @@ def test_a_browser_that_leaves_stops_the_plan(page, planned, sit_down):
     hands, look = sit_down(), page._renderer._look
     sit_down()
     hands.play()
-    wait_until(lambda: look.now.time > STEP, "the plan to play")
+    wait_until(lambda: look.now.time > LONGEST_GAP, "the plan to play")
     hands.browser.leave()
     wait_until(lambda: not look.now.is_playing, "the end of playing")
     assert look.now.time < planned.state.plan.cycle_seconds
@@ -144,7 +144,7 @@ def test_playing_ends_every_jog_and_the_robot_follows_the_plan_in_all_browsers(
     wait_until(lambda: ada.link is not None and bob.link is not None, "the jogged robots")
     wait_until(lambda: not np.allclose(bob.link, shared_link(page)), "the pose suggested to Bob")
     ada.play()
-    wait_until(lambda: look.now.time > STEP, "the plan to play")
+    wait_until(lambda: look.now.time > LONGEST_GAP, "the plan to play")
     wait_until(lambda: ada.link is None and bob.link is None, "the end of the jogs")
     assert not ada.is_jogged and not bob.is_jogged
     planned.wait(lambda state: state.watched != (), PATIENCE)
@@ -172,7 +172,7 @@ def test_a_jog_is_seen_by_nobody_else_and_goes_with_its_browser(page, planned, s
 def test_who_turns_to_something_else_meanwhile_has_not_watched(page, planned, sit_down, turned):
     hands, look = sit_down(), page._renderer._look
     hands.play()
-    wait_until(lambda: look.now.time > STEP, "the plan to play")
+    wait_until(lambda: look.now.time > LONGEST_GAP, "the plan to play")
     if turned == "jog":
         hands.jog()
     else:

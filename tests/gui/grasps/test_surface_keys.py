@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from workbench.gui.grasps.surface_keys import SMALL, STEP, SurfaceKeys, seen_at
+from workbench.gui.grasps.surface_keys import FINE_KEY_STEP, KEY_STEP, SurfaceKeys, seen_at
 from workbench.gui.grasps.views import POINT_KEYS
 from workbench.gui.scene.stage import T_WORLD_STAGE, GraspStage
 from workbench.model.part import Part
@@ -76,9 +76,9 @@ def test_arrows_move_the_point_as_it_is_seen_and_shift_moves_it_little(
     keys.show(part)
     first = keys._met[0]
     press(keys, arrow)
-    np.testing.assert_allclose(keys._met[0] - first, [*(STEP * np.array(way)), 0.0], atol=1e-6)
+    np.testing.assert_allclose(keys._met[0] - first, [*(KEY_STEP * np.array(way)), 0.0], atol=1e-6)
     press(keys, f"shift+{arrow}")
-    whole = (STEP + SMALL) * np.array(way)
+    whole = (KEY_STEP + FINE_KEY_STEP) * np.array(way)
     np.testing.assert_allclose(keys._met[0] - first, [*whole, 0.0], atol=1e-6)
     press(keys, "enter")
     np.testing.assert_array_equal(ends[0][0], keys._met[0])
@@ -89,7 +89,7 @@ def test_the_point_stays_on_the_part_and_its_edge_is_told(keys, part):
     for _ in range(40):
         press(keys, "arrowright")
     assert "The part ends here" in keys._said.content
-    assert np.abs(keys._met[0]).max() < np.abs(part.mesh.points).max() + STEP
+    assert np.abs(keys._met[0]).max() < np.abs(part.mesh.points).max() + KEY_STEP
 
 
 def test_keys_do_nothing_before_and_after_a_point_is_wanted(keys, part, ends):

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from workbench.gui.scene.marks import APART, AROUND, draw_chosen, pin_heights
+from workbench.gui.scene.marks import PIN_SPACING, PIN_STEP, draw_chosen, pin_heights
 from workbench.gui.scene.picture import ScenePicture
 from workbench.gui.shared.own import Own
 from workbench.gui.shared.viser_server import close_viser, open_viser
@@ -28,9 +28,9 @@ def test_no_label_of_a_part_lies_on_that_of_a_part_near_it(tops):
     heights = pin_heights(tops)
     assert np.all(heights > tops[:, 2])
     for number, top in enumerate(tops):
-        near = np.linalg.norm(tops[:, :2] - top[:2], axis=1) < AROUND
+        near = np.linalg.norm(tops[:, :2] - top[:2], axis=1) < PIN_SPACING
         near[number] = False
-        assert np.all(np.abs(heights[near] - heights[number]) > APART - 1e-9)
+        assert np.all(np.abs(heights[near] - heights[number]) > PIN_STEP - 1e-9)
 
 
 def test_pins_of_a_heap_end_in_the_order_of_its_parts():

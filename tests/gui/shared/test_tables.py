@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.gui.shared.colours import BUSY, GOOD, KINDS, verdict_colour
+from workbench.gui.shared.colours import BUSY, GOOD, VERDICT_KINDS, verdict_colour
 from workbench.gui.shared.tables import (
     COLUMNS,
     PAGE,
@@ -49,7 +49,7 @@ candidates_drawn = st.lists(
 )
 orders = st.builds(
     CandidateOrder,
-    only=st.none() | st.sampled_from(KINDS),
+    only=st.none() | st.sampled_from(VERDICT_KINDS),
     part=st.none() | st.integers(0, 3),
     column=st.sampled_from(list(COLUMNS)),
     is_descending=st.booleans(),
@@ -79,7 +79,7 @@ def test_rows_are_sorted_by_the_chosen_column(candidates, order):
 
 @given(candidates_drawn)
 def test_the_counts_of_the_funnel_are_those_of_the_verdicts(candidates):
-    html = funnel_html(candidates, None, dict.fromkeys([None, *KINDS], "id"))
+    html = funnel_html(candidates, None, dict.fromkeys([None, *VERDICT_KINDS], "id"))
     assert f"all <b>{len(candidates)}</b>" in html
     for kind, count in Counter(candidate.verdict.kind for candidate in candidates).items():
         assert f"{kind.message} <b>{count}</b>" in html

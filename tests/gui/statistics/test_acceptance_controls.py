@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from workbench.gui.statistics.acceptance import FILE, AcceptanceControls
+from workbench.gui.statistics.acceptance import ACCEPTANCE_FILE, AcceptanceControls
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def saved(visitor, view_of, states):
 def test_the_record_names_the_session_up_to_its_last_entry(saved, bench):
     ((name, content),) = saved()
     number, head = bench.head
-    assert name == FILE
+    assert name == ACCEPTANCE_FILE
     assert f"{bench.folder.name}, {number} entries, head {head}" in content.decode()
 
 

@@ -14,7 +14,7 @@ import pytest
 from held_plates import CENTRES, X, by_opencv, scene
 
 from workbench.model.errors import InputError
-from workbench.perception.calibration.calibrate import MOST, calibrate
+from workbench.perception.calibration.calibrate import MOST_POSES, calibrate
 from workbench.perception.calibration.plate_poses import PlatePose, distances
 from workbench.perception.calibration.rigid import fitted_motion
 
@@ -40,7 +40,7 @@ def read(path: Path) -> list[PlatePose]:
         balls = CENTRES @ T_camera_target.rotation.T + T_camera_target.translation
         at = np.zeros(3) if path.name.endswith("in_hand.csv") else None
         found.append(PlatePose(f"row {number}", T, balls, at=at))
-    return found[:: -(-len(found) // (2 * MOST))]
+    return found[:: -(-len(found) // (2 * MOST_POSES))]
 
 
 def check(poses: list[PlatePose]) -> pin.SE3:

@@ -82,7 +82,7 @@ def test_turns_of_the_flange_are_left_out_where_many_poses_predict_each_other_be
     few, many = (wrist_scene(0, count=count, turn=np.deg2rad(0.1)) for count in (8, 12))
     start = (V * H, V.actInv(STANDS))
     assert best_fit(many, start, CENTRES).variances[1] > 0.0
-    monkeypatch.setattr(sureness, "CLEARLY", 10.0)  # as if they did
+    monkeypatch.setattr(sureness, "CLEARLY_BETTER", 10.0)  # as if they did
     assert best_fit(many, start, CENTRES).variances[1] == 0.0
     assert best_fit(few, start, CENTRES).variances[1] > 0.0
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.scene.roofs import roofs_over
-from workbench.perception.scene.upright_boxes import MOST, Grid, _heaps, upright_boxes
+from workbench.perception.scene.upright_boxes import MOST_BOXES, Grid, _heaps, upright_boxes
 from workbench.perception.views.surfaces import add_surface
 
 EDGE = 0.006
@@ -35,7 +35,7 @@ def test_few_boxes_hold_all_cells_up_to_their_tops_and_down_to_the_floor(cells, 
         data.draw(st.lists(st.floats(-0.02, 0.3), min_size=len(index), max_size=len(index)))
     )
     boxes = upright_boxes(index, tops, Grid(EDGE))
-    assert 1 <= len(boxes) <= MOST
+    assert 1 <= len(boxes) <= MOST_BOXES
     corners = np.array([(x, y) for x in (0.01, 0.99) for y in (0.01, 0.99)])
     for place, top in zip(index, tops, strict=True):
         lowest = min(0.0, top)
@@ -52,7 +52,7 @@ def test_more_things_than_boxes_are_all_held():
     x, y = np.meshgrid(np.arange(0, 300, 10), np.arange(0, 300, 10))
     index = np.stack([x.ravel(), y.ravel()], axis=1)
     boxes = upright_boxes(index, np.full(len(index), 0.1), Grid(EDGE))
-    assert len(boxes) <= MOST
+    assert len(boxes) <= MOST_BOXES
     points = np.column_stack([(index + 0.5) * EDGE, np.full(len(index), 0.05)])
     inside = np.zeros(len(points), bool)
     for one in boxes:

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from workbench.model.motion import MotionModel
 from workbench.planning.collision.motion import (
-    NARROW,
     RESOLUTION,
+    SHARP_CORNER,
     bound_curves,
     chain_contact,
     segment,
@@ -71,7 +71,7 @@ def test_whatever_a_controller_makes_of_a_corner_is_walked_nearby(
         dense = by[:, None, 0] + t * (by[:, None, 2] - by[:, None, 0])
         # Half of what lies between two roundings, and between two of the points looked at.
         near = np.abs(dense - at).max(axis=2).min()
-        assert near <= NARROW / 2 + np.abs(np.diff(dense, axis=1)).max() / 2
+        assert near <= SHARP_CORNER / 2 + np.abs(np.diff(dense, axis=1)).max() / 2
 
 
 @settings(max_examples=50, deadline=None)

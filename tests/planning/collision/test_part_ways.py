@@ -8,7 +8,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Obstacle
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.pairing import SLACK
-from workbench.planning.collision.part_ways import FIRST, MOST_OFF, kept_on_ways
+from workbench.planning.collision.part_ways import MOST_OFF, WAY_START, kept_on_ways
 from workbench.planning.collision.world import World
 
 UP = np.array([0.0, 0.0, 0.1])
@@ -93,8 +93,8 @@ def test_a_part_that_lies_against_a_wall_gains_by_leaning_away_and_only_rubs_str
     ways = World(cell, (lying(cell, half - 0.019),)).part_ways
     assert ways.gain(0, UP) == pytest.approx(0.0, abs=1e-6)
     away, into = np.array([0.0, -0.06, 0.08]), np.array([0.0, 0.06, 0.08])
-    assert ways.gain(0, away) == pytest.approx(0.6 * FIRST, abs=1e-6)
-    assert ways.gain(0, into) == pytest.approx(-0.6 * FIRST, abs=1e-6)
+    assert ways.gain(0, away) == pytest.approx(0.6 * WAY_START, abs=1e-6)
+    assert ways.gain(0, into) == pytest.approx(-0.6 * WAY_START, abs=1e-6)
 
 
 def test_a_part_gains_on_the_neighbour_it_lies_against_least_of_all_counts(cell):
@@ -102,14 +102,14 @@ def test_a_part_gains_on_the_neighbour_it_lies_against_least_of_all_counts(cell)
     ways = World(cell, beside).part_ways
     aside, alone = np.array([0.0, -0.06, 0.08]), World(cell, beside[:1]).part_ways
     assert 0 < ways.gain(0, aside) < alone.gain(0, aside)
-    assert ways.gain(0, UP) < 0.1 * FIRST < ways.gain(0, aside)
+    assert ways.gain(0, UP) < 0.1 * WAY_START < ways.gain(0, aside)
     assert ways.gain(1, aside) < 0, "it is pushed into the other"
 
 
 def test_what_is_not_near_does_not_count_and_no_way_gains_more_than_it_is_long(cell):
     high = lying(cell, 0.0, 0.019 + cell.policy.near_margin + 1e-4)
     ways = World(cell, (high,)).part_ways
-    assert ways.gain(0, -UP) == FIRST
+    assert ways.gain(0, -UP) == WAY_START
     assert ways.gain(0, 0.001 * UP / 0.1) == pytest.approx(0.001)
     assert ways.gain(0, 0.0 * UP) == 0.0
 

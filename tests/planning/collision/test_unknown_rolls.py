@@ -20,7 +20,7 @@ from workbench.model.geometry import (
 from workbench.model.part import GraspLibrary, Part
 from workbench.model.scan import Detection, Obstacle
 from workbench.model.symmetry import Symmetry, make_turn
-from workbench.planning.collision.unknown_rolls import BETWEEN, place_pieces, room_of
+from workbench.planning.collision.unknown_rolls import TURN_SPACING, place_pieces, room_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.pads import outline
 from workbench.proof.claims.scene import room_of as room_of_proof
@@ -75,7 +75,7 @@ def test_a_known_roll_needs_no_more_room_than_the_part(cell, detections):
     # The axis that the scan was found by counts before the one that the part states.
     aside = replace(rolled, roll_axis=np.array([[0.001, 0.0, 0.0], [0.0, 0.0, 1.0]]))
     assert room_of(part, aside)[0].shape.radius == pytest.approx(0.016)
-    turns = int(np.ceil(np.pi * radii[-1] / BETWEEN))
+    turns = int(np.ceil(np.pi * radii[-1] / TURN_SPACING))
     assert [len(piece) for piece in place_pieces(part, rolled)] == [1, 1, turns]
 
 

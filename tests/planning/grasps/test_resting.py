@@ -11,7 +11,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Box, Cylinder, Mesh, pose_from_rpy
 from workbench.model.symmetry import Symmetry
-from workbench.planning.grasps.resting import TURNS, resting_poses, ways_to_lie
+from workbench.planning.grasps.resting import VERTICAL_TURNS, resting_poses, ways_to_lie
 
 DROP = 0.007
 """[m] The margin of the shipped cells and what a proof lets pass above it."""
@@ -99,11 +99,11 @@ def test_the_lowest_points_are_on_the_surface(name):
 def test_turns_that_a_symmetry_makes_alike_are_there_once():
     part = read_cell("yumi").parts[0]
     every = len(resting_poses(part))
-    assert every % TURNS == 0
+    assert every % VERTICAL_TURNS == 0
     fourfold = replace(part, symmetry=Symmetry(fold=4))
     assert len(resting_poses(fourfold)) == every // 4
     round_ = replace(part, symmetry=Symmetry(fold=0))
-    assert len(resting_poses(round_)) == every // TURNS
+    assert len(resting_poses(round_)) == every // VERTICAL_TURNS
 
 
 def test_a_cylinder_stands_on_its_ends_and_would_roll_on_its_side():

@@ -6,7 +6,7 @@ import pytest
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.execution import compute_times
-from workbench.planning.kinematics.quickness import LEAST, Pace, between, draw_towards, pace_of
+from workbench.planning.kinematics.quickness import LEAST_GAIN, Pace, between, draw_towards, pace_of
 
 TURN = Pace(np.array([1.0, 2.0]), np.array([4.0, 4.0]))
 
@@ -63,7 +63,7 @@ def test_drawn_configurations_hold_the_tool_as_before_and_are_sooner_at_home(cel
         before, after = between(q, home[None], pace), between(nearer, home[None], pace)
         assert np.all(after <= before)
         is_same = np.all(nearer == q, axis=1)
-        assert np.all(before[~is_same] - after[~is_same] > LEAST)
+        assert np.all(before[~is_same] - after[~is_same] > LEAST_GAIN)
         won.extend(before - after)
     assert np.median(won) > 0.03, "the spare axis is worth something for most of them"
 

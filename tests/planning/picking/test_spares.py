@@ -15,7 +15,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import GraspLibrary
 from workbench.model.scan import Detection
-from workbench.planning.picking.propose import ENOUGH
+from workbench.planning.picking.propose import GRASPS_BEFORE_SPARE
 from workbench.planning.planners.clock import processor_time
 
 
@@ -58,7 +58,7 @@ def test_spares_are_used_where_nothing_else_works_and_no_more_than_enough(cell):
     judged = judge(with_priority(cell, -1, also=False), (lying(cell, 0.0),))
     for arm in cell.arms:
         good = [c for c in judged if c.arm == arm.name and c.verdict.is_ok]
-        assert 1 <= len(good) <= ENOUGH
+        assert 1 <= len(good) <= GRASPS_BEFORE_SPARE
 
 
 def test_a_plan_looks_at_spares_only_when_it_needs_them(cell):

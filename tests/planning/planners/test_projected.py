@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from workbench.planning.planners.projected import STEP, projected_planner
+from workbench.planning.planners.projected import LONGEST_EDGE, projected_planner
 
 LOW, HIGH, EVEN = np.full(2, -2.0), np.full(2, 2.0), np.ones(2)
 
@@ -31,7 +31,7 @@ def test_it_goes_around_a_ring_from_one_end_to_the_other(seed):
     np.testing.assert_array_equal(found.path[[0, -1]], [[1.0, 0.0], [-1.0, 0.0]])
     edges = list(zip(found.path[:-1], found.path[1:], strict=True))
     assert all(is_near_ring(a, b) for a, b in edges)
-    assert max(np.linalg.norm(b - a) for a, b in edges) <= 1.1 * STEP
+    assert max(np.linalg.norm(b - a) for a, b in edges) <= 1.1 * LONGEST_EDGE
 
 
 def test_a_ring_that_is_cut_twice_has_no_path():

@@ -8,7 +8,7 @@ import pytest
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
 from workbench.studies.motion.both_arms import (
-    HIGH,
+    ABOVE_FLOOR,
     OMPL,
     OURS,
     BothArms,
@@ -44,7 +44,7 @@ def test_the_bin_is_between_start_and_goal_and_neither_touches_anything(both):
         ):
             chain = both.worlds[OURS].chains[arm]
             p, after = (T_bin_world.act(chain.pose(q).translation) for q in (one, other))
-            assert p[1] * after[1] < 0 and 0 <= p[2] <= HIGH and 0 <= after[2] <= HIGH
+            assert p[1] * after[1] < 0 and 0 <= p[2] <= ABOVE_FLOOR and 0 <= after[2] <= ABOVE_FLOOR
         kinds.add(ends.is_straight)
         assert np.array_equal(ends.start, both.ends(seed).start)
     assert kinds <= {True, False}

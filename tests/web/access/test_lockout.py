@@ -10,8 +10,8 @@ from waiting import PATIENCE, wait_until
 from workbench.app.core.people import Role
 from workbench.cli.main import main
 from workbench.web.access.lockout import (
-    MOST,
     MOST_BROWSERS,
+    MOST_FAILURES,
     REMEMBERED,
     WHILE,
     LockedOut,
@@ -55,7 +55,7 @@ def locked(lockout, name, address="10.0.0.1", browser=""):
     return isinstance(lockout.begin(address, name, browser), LockedOut)
 
 
-def wrong(lockout, name, count=MOST):
+def wrong(lockout, name, count=MOST_FAILURES):
     for number in range(count):
         lockout.begin(f"10.0.{number}.1", name)
 
@@ -64,7 +64,7 @@ def test_a_clock_that_is_set_back_does_not_make_it_longer(lockout, clock):
     wrong(lockout, "Anna")
     clock.now -= 3600
     assert not locked(lockout, "Anna")
-    wrong(lockout, "Anna", MOST - 1)
+    wrong(lockout, "Anna", MOST_FAILURES - 1)
     assert lockout.begin("10.0.0.1", "Anna").seconds <= WHILE
     clock.now += WHILE
     assert not locked(lockout, "Anna")
@@ -80,7 +80,7 @@ def test_a_known_browser_is_not_shut_out_by_others(lockout):
 
 def test_nor_by_a_crowd_at_its_own_address(lockout):
     browser = lockout.remember("Anna")
-    for number in range(MOST):
+    for number in range(MOST_FAILURES):
         lockout.begin("10.0.0.1", f"name {number}")
     assert locked(lockout, "Otto")
     assert not locked(lockout, "Anna", browser=browser)
@@ -88,7 +88,7 @@ def test_nor_by_a_crowd_at_its_own_address(lockout):
 
 def test_it_tries_no_more_often_than_others(lockout):
     browser = lockout.remember("Anna")
-    for _ in range(MOST):
+    for _ in range(MOST_FAILURES):
         assert not locked(lockout, "Anna", browser=browser)
     assert locked(lockout, "Anna", browser=browser)
 
@@ -130,7 +130,7 @@ def test_a_browser_may_be_that_of_several_people(lockout):
         wrong(lockout, name)
         assert not locked(lockout, name, browser=panel)
         assert locked(lockout, name, browser=copied)
-    for _ in range(MOST):
+    for _ in range(MOST_FAILURES):
         lockout.begin("10.0.0.1", "Otto", panel)
     assert locked(lockout, "Otto", browser=panel)
     assert not locked(lockout, "Anna", browser=panel)
@@ -171,19 +171,19 @@ def test_somebody_at_the_machine_ends_a_lockout(lockout, store, capsys):
     assert locked(lockout, "Otto")
     assert main(["user", "unlock", "--users", str(store.path)]) == 0
     assert not locked(lockout, "Otto")
-    assert f"{MOST} failed logins are forgotten" in capsys.readouterr().out
+    assert f"{MOST_FAILURES} failed logins are forgotten" in capsys.readouterr().out
 
 
 def test_that_ends_one_in_a_browser_that_is_known_too(lockout, store, capsys):
     anna, otto = lockout.remember("Anna"), lockout.remember("Otto")
-    for _ in range(MOST):
+    for _ in range(MOST_FAILURES):
         lockout.begin("10.0.0.1", "Anna", anna)
         lockout.begin("10.0.0.1", "Otto", otto)
     assert locked(lockout, "Anna", browser=anna)
     assert main(["user", "unlock", "anna", "--users", str(store.path)]) == 0
     assert not locked(lockout, "Anna", browser=anna)
     assert locked(lockout, "Otto", browser=otto)
-    assert f"{MOST} failed logins are forgotten" in capsys.readouterr().out
+    assert f"{MOST_FAILURES} failed logins are forgotten" in capsys.readouterr().out
 
 
 def test_who_asks_waits_for_no_change(store):

@@ -14,7 +14,7 @@ from workbench import __version__
 from workbench.app.core.people import Role
 from workbench.model.errors import InputError
 from workbench.studies.load.raw_browser import raw_browser
-from workbench.web.access.lockout import MOST
+from workbench.web.access.lockout import MOST_FAILURES
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
 
@@ -108,7 +108,9 @@ def test_what_is_typed_never_becomes_html(front):
 def test_guessing_ends_after_some_tries_and_a_restart_forgets_none(front, start, said):
     async def guess(url):
         async with raw_browser(url) as browser:
-            statuses = [await browser.log_in("Otto", f"guess number {n}") for n in range(MOST)]
+            statuses = [
+                await browser.log_in("Otto", f"guess number {n}") for n in range(MOST_FAILURES)
+            ]
             assert set(statuses) == {401}
             assert await browser.log_in("Otto", PASSWORD) == 429
 
@@ -127,9 +129,9 @@ def test_guesses_made_side_by_side_count_all(front):
     async def guess():
         async with raw_browser(front.url) as browser:
             statuses = await asyncio.gather(
-                *(browser.log_in("Otto", f"guess number {n}") for n in range(MOST + 5))
+                *(browser.log_in("Otto", f"guess number {n}") for n in range(MOST_FAILURES + 5))
             )
-        assert statuses.count(401) == MOST
+        assert statuses.count(401) == MOST_FAILURES
         assert statuses.count(429) == 5
 
     run(guess())

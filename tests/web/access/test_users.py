@@ -8,7 +8,7 @@ import pytest
 from workbench.app.core.people import NOBODY, Person, Role
 from workbench.model.errors import FileError, InputError
 from workbench.web.access import passwords
-from workbench.web.access.lockout import MOST, WHILE, LockedOut, Lockout
+from workbench.web.access.lockout import MOST_FAILURES, WHILE, LockedOut, Lockout
 from workbench.web.access.sessions import Sessions
 from workbench.web.access.store import Store
 from workbench.web.access.user_backup import add_users, checked_users, kept_users
@@ -266,11 +266,11 @@ def test_a_login_does_not_begin_for_who_was_kept_out_or_removed_meanwhile(users,
 
 def test_too_many_failures_lock_out_an_address_and_a_name(tmp_path, store, clock):
     lockout = Lockout(store, clock)
-    for number in range(MOST):
+    for number in range(MOST_FAILURES):
         assert not isinstance(lockout.begin("10.0.0.1", f"name {number}"), LockedOut)
     assert isinstance(lockout.begin("10.0.0.1", "another"), LockedOut)
     assert not isinstance(lockout.begin("10.0.0.2", "name 0"), LockedOut)
-    for number in range(2, MOST):
+    for number in range(2, MOST_FAILURES):
         lockout.begin(f"10.0.1.{number}", "name 0")
     assert isinstance(lockout.begin("10.0.9.9", "NAME 0"), LockedOut)
     again = Store(tmp_path / "users.sqlite")
@@ -282,14 +282,14 @@ def test_too_many_failures_lock_out_an_address_and_a_name(tmp_path, store, clock
 
 def test_only_failures_count(store, clock):
     lockout = Lockout(store, clock)
-    for _ in range(3 * MOST):
+    for _ in range(3 * MOST_FAILURES):
         lockout.note_success(lockout.begin("10.0.0.1", "Anna"))
     assert not isinstance(lockout.begin("10.0.0.1", "Anna"), LockedOut)
 
 
 def test_a_refused_attempt_does_not_make_it_longer(store, clock):
     lockout = Lockout(store, clock)
-    for _ in range(MOST):
+    for _ in range(MOST_FAILURES):
         lockout.begin("10.0.0.1", "Anna")
     clock.now += WHILE - 10
     assert lockout.begin("10.0.0.1", "Anna") == LockedOut(10.0)

@@ -10,7 +10,7 @@ from workbench.app.core.state import Phase, State
 from workbench.formats.cells.reading import read_cell
 from workbench.model.release import LinkStatus
 from workbench.web.page.bar import bar_words
-from workbench.web.page.tour import STEPS, tour_of
+from workbench.web.page.tour import TOUR_STEPS, tour_of
 
 OTTO, VERA = Person("Otto", Role.OPERATOR), Person("Vera", Role.VIEWER)
 
@@ -37,7 +37,7 @@ def test_a_step_is_done_when_the_bench_says_so(idle):
     assert done(replace(planned, watched=(NOBODY,))) == "scfiplpr"
     for phase in (Phase.APPROVED, Phase.SENDING):
         assert done(replace(planned, phase=phase)) == "scfiplprap"
-    assert tour_of(replace(planned, phase=Phase.DONE), OTTO) == STEPS
+    assert tour_of(replace(planned, phase=Phase.DONE), OTTO) == TOUR_STEPS
     assert done(replace(planned, phase=Phase.FAULT, fault="the link broke")) == ""
 
 

@@ -7,7 +7,7 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.messages.calibration import DriftText
 from workbench.model.messages.message import Message
-from workbench.perception.calibration.drift import FEWEST, PARTS
+from workbench.perception.calibration.drift import FEWEST_DAYS, PARTS
 from workbench.perception.calibration.refinement import Drift
 from workbench.perception.calibration.sureness import point_errors
 
@@ -30,11 +30,11 @@ def drift_words(cell: Cell, drift: Drift) -> tuple[Message, ...]:
     if PARTS in drift.drifted:
         says.append(DriftText.PARTS_ELSEWHERE(count=drift.parts))
     days = max((len(course.days) for course in drift.courses), default=0)
-    if days < 2 * FEWEST:
-        says.append(DriftText.TOO_FEW_DAYS(days=days, fewest=2 * FEWEST))
+    if days < 2 * FEWEST_DAYS:
+        says.append(DriftText.TOO_FEW_DAYS(days=days, fewest=2 * FEWEST_DAYS))
     elif not says:
         says.append(DriftText.NONE(days=days))
-    if drift.open and days >= 2 * FEWEST:
+    if drift.open and days >= 2 * FEWEST_DAYS:
         says.append(DriftText.OPEN(axes=drift.open))
     if drift.moved is not None and drift.covariance is not None:
         middle = cell.bin.T_world_bin.translation

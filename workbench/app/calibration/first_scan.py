@@ -25,10 +25,10 @@ from workbench.perception.scene.sensor import sensor_model
 FITTING = 0.5
 """Share of the points that must lie where the scanner measures for a unit to be believed."""
 
-OFF, TURNED = 0.003, float(np.deg2rad(1.0))
+BIN_OFF, BIN_TURNED = 0.003, float(np.deg2rad(1.0))
 """[m, rad] By which the bin may be off; more is said."""
 
-NEAREST, FARTHEST, AROUND = 0.15, 3.0, 0.2
+NEAREST_RANGE, FARTHEST_RANGE, RANGE_SLACK = 0.15, 3.0, 0.2
 """[m] Where any scanner measures, and the share that is added around where one has measured."""
 
 LEAST_RIM = 0.3
@@ -155,12 +155,12 @@ def _guess(points: Floats, mount: ScannerMount) -> tuple[str, str, float]:
 
 def _anywhere(points: Floats, mount: ScannerMount) -> tuple[ScannerMount, tuple[str, str, float]]:
     """Unit and axes by which most points lie where any scanner measures, and a mount for these."""
-    unit, axes, fitting = _guess(points, replace(mount, near=NEAREST, far=FARTHEST))
+    unit, axes, fitting = _guess(points, replace(mount, near=NEAREST_RANGE, far=FARTHEST_RANGE))
     depth = points @ np.array(CLOUD_AXES[axes][2], dtype=float) * UNITS[unit]
-    before = depth[(depth > NEAREST) & (depth < FARTHEST)]
+    before = depth[(depth > NEAREST_RANGE) & (depth < FARTHEST_RANGE)]
     if fitting < FITTING:
-        return replace(mount, near=NEAREST, far=FARTHEST), (unit, axes, fitting)
-    near, far = np.percentile(before, (1, 99)) * (1 - AROUND, 1 + AROUND)
+        return replace(mount, near=NEAREST_RANGE, far=FARTHEST_RANGE), (unit, axes, fitting)
+    near, far = np.percentile(before, (1, 99)) * (1 - RANGE_SLACK, 1 + RANGE_SLACK)
     # To whole centimetres, as people write them.
     near, far = np.floor(near * 100) / 100, np.ceil(far * 100) / 100
     return replace(mount, near=float(near), far=float(far)), (unit, axes, fitting)
@@ -216,10 +216,10 @@ def _says(
         wanted = {"wanted_length": float(outer[0]), "wanted_width": float(outer[1])}
         yield FirstScanText.RIM_SIZE(length=length, width=width, **wanted)
     seen = fit_bin(scan.points, bin.T_world_bin.actInv(scan.T_world_scanner), bin, noise=0.0)
-    if seen.is_floor_seen and abs(seen.floor[0]) > OFF:
+    if seen.is_floor_seen and abs(seen.floor[0]) > BIN_OFF:
         depth = float(bin.size[2] - seen.floor[0])
         yield FirstScanText.FLOOR_DEPTH(depth=depth, wanted=float(bin.size[2]))
-    if first.shift > OFF or first.turn > TURNED:
+    if first.shift > BIN_OFF or first.turn > BIN_TURNED:
         is_new = mount.calibration is None
         off = FirstScanText.NOT_CALIBRATED if is_new else FirstScanText.OFF
         yield off(shift=first.shift, turn=first.turn)

@@ -10,7 +10,7 @@ from workbench.model.calibration import BallPlate, Calibration
 from workbench.model.cell import Cell
 from workbench.model.derived.scanner_poses import flange_at_view
 from workbench.model.errors import InputError
-from workbench.perception.calibration.calibrate import MOST, calibrate
+from workbench.perception.calibration.calibrate import MOST_POSES, calibrate
 from workbench.perception.calibration.plate_poses import PlatePose
 
 
@@ -49,7 +49,7 @@ def hand_at_view(cell: Cell) -> pin.SE3:
 def _solve(pairs: Sequence[PosePair], cell: Cell, *, in_hand: bool) -> Calibration:
     centres, T_world_view = BallPlate().centres, hand_at_view(cell)
     poses: list[PlatePose] = []
-    for pair in pairs[:: -(-len(pairs) // MOST)]:
+    for pair in pairs[:: -(-len(pairs) // MOST_POSES)]:
         T = cell.T_world_robot * pair.T_base_flange
         T_camera_target = pair.T_camera_target
         balls = centres @ T_camera_target.rotation.T + T_camera_target.translation

@@ -19,7 +19,7 @@ from workbench.planning.kinematics.robot import Kinematics
 TRIED = 10
 """Poses among which the best is searched for."""
 
-LEAST = (0.01, np.deg2rad(2.0))
+LEAST_MOTION = (0.01, np.deg2rad(2.0))
 """[m, rad] Motions that are smaller than this are not reported."""
 
 SIDES = (
@@ -106,23 +106,23 @@ def steps_to(T_bin_from: pin.SE3, T_bin_to: pin.SE3, thing: Message) -> tuple[Me
     yaw = (yaw + np.pi) % (2 * np.pi) - np.pi
     tip = pin.log3(rotation @ pin.exp3(np.array([0.0, 0.0, -yaw])))
     said: list[Message] = []
-    if yaw >= LEAST[1]:
+    if yaw >= LEAST_MOTION[1]:
         said.append(PoseText.TURN_LEFT(thing=thing, angle=float(yaw)))
-    elif yaw <= -LEAST[1]:
+    elif yaw <= -LEAST_MOTION[1]:
         said.append(PoseText.TURN_RIGHT(thing=thing, angle=-float(yaw)))
     angle = float(np.linalg.norm(tip))
-    if angle >= LEAST[1]:
+    if angle >= LEAST_MOTION[1]:
         # What is above the axis goes along it times the vertical.
         towards = _side(np.array([tip[1], -tip[0]]))
         said.append(PoseText.TIP(angle=angle, side=towards))
     shift = T_bin_to.translation - T_bin_from.translation
     level = float(np.linalg.norm(shift[:2]))
-    if level >= LEAST[0]:
+    if level >= LEAST_MOTION[0]:
         said.append(PoseText.MOVE(far=level, side=_side(shift[:2])))
     height = float(abs(shift[2]))
-    if shift[2] >= LEAST[0]:
+    if shift[2] >= LEAST_MOTION[0]:
         said.append(PoseText.RAISE(far=height))
-    elif shift[2] <= -LEAST[0]:
+    elif shift[2] <= -LEAST_MOTION[0]:
         said.append(PoseText.LOWER(far=height))
     return tuple(said)
 

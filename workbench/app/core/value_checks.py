@@ -27,7 +27,7 @@ MOST_PILES = 20
 SEED_LIMIT = 2**31
 LONGEST_NAME = 80
 LONGEST_TEXT = 200
-FARTHEST = 20.0
+FARTHEST_POINT = 20.0
 """[m] Nothing of a cell stands further from its origin."""
 DETAIL = (0.3, 2.0)
 """Share of the usual detail that a search may have."""
@@ -186,8 +186,10 @@ def check_near(thing: Message | FoundPart | str, T_world_thing: pin.SE3) -> None
     """
     far = float(np.abs(T_world_thing.translation).max())
     # A rotation may be no number where the place is one.
-    if not far <= FARTHEST or not np.all(np.isfinite(T_world_thing.rotation)):
-        raise CommandRefused(ValueRefusal.FAR(thing=thing, far=f"{far:g}", most=f"{FARTHEST:g}"))
+    if not far <= FARTHEST_POINT or not np.all(np.isfinite(T_world_thing.rotation)):
+        raise CommandRefused(
+            ValueRefusal.FAR(thing=thing, far=f"{far:g}", most=f"{FARTHEST_POINT:g}")
+        )
 
 
 def check_cell(cell: Cell) -> None:

@@ -28,7 +28,7 @@ from workbench.model.messages.commands import CommandText
 LEAST_LIMIT, MOST_LIMIT = 1e-5, 0.1
 """[m]"""
 
-SAME = 1e-4
+SAME_TOUCH_WITHIN = 1e-4
 """[rad, m] Joints nearer to each other than this are those of one touch."""
 
 
@@ -81,7 +81,7 @@ class RecordTouch(Command):
         refuse(touch_problem(state.cell, _scan_named(state, self.scan), touch))
         for other in state.touches:
             is_alike = other.arm == touch.arm and other.q.shape == touch.q.shape
-            if is_alike and np.abs(other.q - touch.q).max() < SAME:
+            if is_alike and np.abs(other.q - touch.q).max() < SAME_TOUCH_WITHIN:
                 raise CommandRefused(VerifyText.SAME_TOUCH(touch=other.name))
 
     def apply(self, state: State, entry: Entry) -> Decision:

@@ -25,7 +25,7 @@ from workbench.planning.picking.lifts import find_lifts_clear_for_part
 from workbench.planning.picking.propose import candidate_of
 from workbench.planning.picking.resolve import resolve
 
-MOST = 200
+MOST_CHECKED_GRIPS = 200
 """Grips that fit and hold whose arm is checked, spread over all of them."""
 
 
@@ -80,7 +80,7 @@ def any_grasp(cell: Cell, lying: Sequence[Detection], number: int, *, seed: int)
         free = clear[world.tool_check.free(arm, number, grips.hands.some(clear))]
         found = [grasp for k in free.tolist() if (grasp := grips.grasp(k)) is not None]
         tried, fits, holds = tried + len(grips.hands.turn), fits + len(free), holds + len(found)
-        order = np.random.default_rng(seed).permutation(len(found))[:MOST]
+        order = np.random.default_rng(seed).permutation(len(found))[:MOST_CHECKED_GRIPS]
         for k in order.tolist():
             candidate = candidate_of(world, number, found[k], arm)
             result = resolve(world, candidate, seed=seed)

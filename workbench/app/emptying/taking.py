@@ -19,10 +19,10 @@ from workbench.planning.collision.world import World
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.kinematics.quickness import hand_acceleration
 
-NEAR, TURNED = 0.002, float(np.deg2rad(3.0))
+STRAIGHT_WITHIN, STRAIGHT_TURN = 0.002, float(np.deg2rad(3.0))
 """[m], [rad] A part that lies further from where the plan has it is gripped crooked."""
 
-BESIDE = 0.01
+BETWEEN_FINGERS_WITHIN = 0.01
 """[m] A part that lies further from where the plan has it is not between the fingers."""
 
 
@@ -95,7 +95,7 @@ def carried_out(
     distance, turn = pose_error(
         cell.part(part), lies, T_world_part, roll_known=False, roll_axis=meant.roll_axis
     )
-    is_turned = not is_straight and distance <= NEAR and turn <= TURNED
+    is_turned = not is_straight and distance <= STRAIGHT_WITHIN and turn <= STRAIGHT_TURN
     is_held = is_turned and _is_held(cell, part, arm_plan, T_tcp_part)
     slips = (is_straight or is_held) and _slips(cell, part, arm_plan, T_tcp_part)
     return Taking(number, is_straight, way, touches, is_turned, is_held, slips)
@@ -160,12 +160,14 @@ def _between_fingers(
         for number, detection in enumerate(truth)
         if detection.part == part
     }
-    near = [number for number, (distance, _) in errors.items() if distance <= BESIDE]
+    near = [
+        number for number, (distance, _) in errors.items() if distance <= BETWEEN_FINGERS_WITHIN
+    ]
     if not near:
         return None, False
-    best = min(near, key=lambda number: (errors[number][1] > TURNED, errors[number]))
+    best = min(near, key=lambda number: (errors[number][1] > STRAIGHT_TURN, errors[number]))
     distance, turn = errors[best]
-    return best, distance <= NEAR and turn <= TURNED
+    return best, distance <= STRAIGHT_WITHIN and turn <= STRAIGHT_TURN
 
 
 def _meets(world: World, arm_plan: ArmPlan, leg: LegName, phase: LegPhase) -> int:

@@ -28,7 +28,7 @@ LOOKED = 6
 HOLDING = 12
 """Grips that fit and are checked whether they hold."""
 
-CUP, REACH = 0.008, 0.06
+CUP_WIDTH, CUP_LENGTH = 0.008, 0.06
 """[m] How wide the cup is that is tried instead of fingers, and how long."""
 
 MOST_CHANGES = 3
@@ -81,7 +81,7 @@ def _others(cell: Cell) -> Iterator[tuple[Message, Cell]]:
     """Other cells, with what is other; those that fit the most kinds of parts first."""
     if any(arm.tool.fingers for arm in cell.arms):
         arms = tuple(replace(arm, tool=_cup(arm.tool)) for arm in cell.arms)
-        yield ChangeText.CUP(by=CUP), replace(cell, arms=arms)
+        yield ChangeText.CUP(by=CUP_WIDTH), replace(cell, arms=arms)
     for change in changes_of(cell):
         other = change.made(cell) if change.said.text in TRIED else None
         if other is not None:
@@ -90,8 +90,8 @@ def _others(cell: Cell) -> Iterator[tuple[Message, Cell]]:
 
 def _cup(tool: Tool) -> Tool:
     """A slim cup where the fingers of a tool end."""
-    back = pin.SE3(np.eye(3), np.array([0.0, 0.0, -REACH / 2]))
-    body = Solid("cup", Cylinder(CUP / 2, REACH), tool.T_flange_tcp * back)
+    back = pin.SE3(np.eye(3), np.array([0.0, 0.0, -CUP_LENGTH / 2]))
+    body = Solid("cup", Cylinder(CUP_WIDTH / 2, CUP_LENGTH), tool.T_flange_tcp * back)
     bare = replace(tool, fingers=(), stroke=(0.0, 0.0), tcps=(), tcp="")
     return replace(bare, name=f"{tool.name}-cup", body=(body,))
 

@@ -18,10 +18,10 @@ from workbench.planning.picking.propose import candidate_of
 WORTH = 0.5
 """What a part counts for, times itself for each family that fits it already."""
 
-LEAST = 0.03
+LEAST_GAIN = 0.03
 """Share of all parts that a family has to add."""
 
-MOST = 10
+MOST_FAMILIES = 10
 """Families, at most."""
 
 LOOKED, GROWN = 16, 3
@@ -60,14 +60,14 @@ def choose(
     worth = np.array(
         [WORTH ** sum(hand.fits(f, c.tools, c.number) for f in hand.families) for c in cases]
     )
-    for _ in range(MOST):
+    for _ in range(MOST_FAMILIES):
         if is_over():
             return
         best = _best(hand, cases, worth, np.asarray(worth @ free, np.float64), rng)
         if best is None:
             return
         family, fits = best
-        if float(worth @ fits) < LEAST * len(cases):
+        if float(worth @ fits) < LEAST_GAIN * len(cases):
             return
         hand.families.append(family)
         worth = np.where(fits, WORTH * worth, worth)

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.app.filling.families import Family, Pile, family_of
 from workbench.app.filling.hand import Hand
-from workbench.app.filling.work import CHECK, FALL, REACH, WORLD
+from workbench.app.filling.work import CHECK_WORK, FALL, REACH_WORK, WORLD
 from workbench.model.candidate import Pick, Reason
 from workbench.model.cell import Cell
 from workbench.model.messages.changes import FillText
@@ -28,13 +28,13 @@ WAYS = 4
 TRIED = 12
 """Ways of all families, at most."""
 
-GRIPS, LEAST = 24, 6
+MOST_GRIPS, FEWEST_GRIPS = 24, 6
 """Grips by which an arm is tried at a part that no family takes, at most and at least."""
 
 LOOKS = 1000.0
 """Points of work: once they are spent, more than the least are not tried."""
 
-MOST = 24
+MOST_FAMILIES = 24
 """Families of a tool, at most."""
 
 RISE = 0.1
@@ -129,7 +129,7 @@ def _refuse_reach(hand: Hand, world: World, number: int, grasp: Grasp, seed: int
     for arm in hand.arms:
         before = world.checks
         result = resolve(world, candidate_of(world, number, grasp, arm), seed=seed)
-        hand.grower.work.add(REACH + CHECK * (world.checks - before))
+        hand.grower.work.add(REACH_WORK + CHECK_WORK * (world.checks - before))
         if isinstance(result, Pick):
             return None
         if result.reason is Reason.EXTRACT_BLOCKED and result.q is None:
@@ -153,7 +153,7 @@ def add_family(
                 _add(hand, world, number, found[0])
                 return None
             reasons[reason] += 1
-            is_late = work.done > until and reasons.total() >= LEAST
+            is_late = work.done > until and reasons.total() >= FEWEST_GRIPS
             if reason == COVERED or is_late:
                 break
     return reasons.most_common(1)[0][0] if reasons else Reason.TOOL_COLLISION.message
@@ -168,13 +168,13 @@ def _firmest(
         found = hand.grip(k)
         if found is not None:
             holding.append((k, found))
-        if len(holding) == GRIPS:
+        if len(holding) == MOST_GRIPS:
             break
     return sorted(holding, key=lambda hold: -hand.goodness(*hold[1]))
 
 
 def _add(hand: Hand, world: World, number: int, grasp: Grasp) -> None:
-    if len(hand.families) >= MOST:
+    if len(hand.families) >= MOST_FAMILIES:
         return
     part = hand.grower.part
     family = family_of(part, hand.arm, hand.grower.extend(grasp), hand.least_air)

@@ -36,7 +36,7 @@ from workbench.plugins.progress import never as nobody
 FALLEN = (15, 8, 4)
 """Parts in the piles that are tried, one after the other; fewer where they do not fit."""
 
-FIRST = 3
+FIRST_PILES = 3
 """Piles of which the first families are chosen, as they fell."""
 
 CHOOSING, CLEARING = 0.35, 0.88
@@ -110,7 +110,7 @@ def filled(
     known = {id(family) for hand in hands for family in hand.families}
     piles = _piles(cell, part, seed, work)
     taken = parts = 0
-    first = [next(piles) for _ in range(FIRST)]
+    first = [next(piles) for _ in range(FIRST_PILES)]
     for number, hand in enumerate(hands, start=1):
         choose(cell, hand, first, seed, lambda n=number: work.is_over(CHOOSING * n / len(hands)))
     stays: Counter[Message] = Counter()

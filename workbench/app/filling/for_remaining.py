@@ -18,7 +18,7 @@ from workbench.planning.collision.world import World
 from workbench.plugins.progress import Cancelled, Report, silent
 from workbench.plugins.progress import never as nobody
 
-MOST = WORK / 4
+MOST_WORK = WORK / 4
 """Points of work: some fifteen seconds."""
 
 
@@ -40,7 +40,7 @@ def families_for(
     name: str,
     left: Sequence[RemainingPart],
     *,
-    most: float = MOST,
+    most: float = MOST_WORK,
     report: Report = silent,
     cancelled: Cancelled = nobody,
 ) -> Proposal:

@@ -14,10 +14,10 @@ from workbench.planning.grasps.grasp_suggestions import opposite_points
 PAIRS = 600
 """Points of the surface from which axes are searched for."""
 
-NEAR = 0.0007
+AXIS_WITHIN = 0.0007
 """[m] Middles of pairs no farther from an axis belong to it."""
 
-LEAST = 0.12
+LEAST_SHARE = 0.12
 """Share of the pairs that a round body has to have."""
 
 SPREAD = 5
@@ -54,14 +54,14 @@ def round_bodies(part: Part, checker: GraspChecker) -> tuple[RoundBody, ...]:
         if any(abs(float(axis @ round_body.axis)) > 0.99 for round_body in found):
             continue
         across = np.abs(inward @ axis) < 0.05
-        if across.sum() < max(1.0, LEAST * len(inward)):
+        if across.sum() < max(1.0, LEAST_SHARE * len(inward)):
             continue
         flat = middles[across] - (middles[across] @ axis)[:, None] * axis
-        near = np.linalg.norm(flat[:, None] - flat[None], axis=2) < NEAR
+        near = np.linalg.norm(flat[:, None] - flat[None], axis=2) < AXIS_WITHIN
         best = int(near.sum(axis=1).argmax())
         mine = near[best]
         directions = _directions(inward[across][mine], axis)
-        if mine.sum() >= LEAST * len(inward) and directions >= SPREAD:
+        if mine.sum() >= LEAST_SHARE * len(inward) and directions >= SPREAD:
             found.append(RoundBody(axis, flat[mine].mean(axis=0), 2 * np.pi))
     return tuple(found)
 

@@ -1,6 +1,6 @@
 """What came of filling a library, in sentences."""
 
-from workbench.app.filling.advice import CUP
+from workbench.app.filling.advice import CUP_WIDTH
 from workbench.app.filling.fill import Filled
 from workbench.app.filling.for_remaining import Proposal
 from workbench.model.messages.changes import FillText, RemainText
@@ -21,7 +21,7 @@ def filled_words(found: Filled) -> list[Message]:
         helps = [FillText.HELPED(count=count, change=change) for change, count in found.helps]
         says.append(FillText.HELPS(looked=found.looked, helps=helps))
     elif found.looked:
-        says.append(FillText.NOTHING_HELPS(looked=found.looked, cup=CUP))
+        says.append(FillText.NOTHING_HELPS(looked=found.looked, cup=CUP_WIDTH))
     return says
 
 

@@ -20,7 +20,7 @@ FIT = 0.3
 GRIP, TRIANGLE = 3.4, 0.0008
 """A grip that is checked on the part alone, and as much more for each triangle of its mesh."""
 
-REACH, CHECK = 2.0, 0.2
+REACH_WORK, CHECK_WORK = 2.0, 0.2
 """An arm that is tried at a part, and each check of collisions in that."""
 
 FALL = 1.2

@@ -15,7 +15,7 @@ from workbench.model.plan import Plan
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.world import World
 from workbench.planning.picking.lifts import lift_message
-from workbench.planning.picking.propose import ROUNDS, is_spare, propose, search_candidates
+from workbench.planning.picking.propose import SEARCH_ROUNDS, is_spare, propose, search_candidates
 from workbench.planning.picking.resolve import resolve
 from workbench.planning.planners.clock import processor_time
 from workbench.plugins.progress import Cancelled, Report, never, silent
@@ -181,6 +181,6 @@ def judge(
         world = World(each_cell, detections, obstacles, searching_policy(cell.policy))
         for number, detection in enumerate(detections):
             if number not in taken and cell.part(detection.part).library.searches:
-                for round in range(len(ROUNDS)):
+                for round in range(len(SEARCH_ROUNDS)):
                     look(world, search_candidates(world, number, round, looked=count), judged)
     return tuple(judged.candidates)

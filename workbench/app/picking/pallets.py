@@ -16,7 +16,7 @@ from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection, Obstacle
 from workbench.proof.claims.places.layers import (
     FALL,
-    FARTHEST,
+    SEARCHED_BELOW,
     fall,
     kept_box,
     place_at,
@@ -138,15 +138,15 @@ def _problem(cell: Cell, part: Part, places: Sequence[PartPlace]) -> Message | N
     for place in places:
         detection = Detection(part.name, place.T_world_part)
         falls = fall(cell, boxes, detection, place.T_world_part)
-        if falls >= FARTHEST:
-            return PalletText.NOTHING_BENEATH(layer=place.layer, far=FARTHEST)
+        if falls >= SEARCHED_BELOW:
+            return PalletText.NOTHING_BENEATH(layer=place.layer, far=SEARCHED_BELOW)
         if falls > most or falls < margin:
             problem = PalletText.FALLS(layer=place.layer, falls=falls, least=margin, most=most)
             if place.layer > 1:
                 return PalletText.PITCH(problem=problem, pitch=float(pitch), high=high)
             return problem
         beside = [
-            gap_of(piece, (Box(box.size), box.T_world_box), 10 * margin + FARTHEST)
+            gap_of(piece, (Box(box.size), box.T_world_box), 10 * margin + SEARCHED_BELOW)
             for box in boxes
             for turns in turned_pieces(part, detection)
             for piece in turns

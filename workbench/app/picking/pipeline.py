@@ -32,7 +32,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH, has_enough_picks, plan_first_feasible
 from workbench.planning.picking.least_time import least_cycle
 from workbench.planning.picking.propose import (
-    ROUNDS,
+    SEARCH_ROUNDS,
     HandsLooked,
     levels_of,
     propose,
@@ -45,7 +45,7 @@ from workbench.proof.claims.prove import prove
 
 AS_THE_CELL = PlanOverrides()
 
-FIRST, SEARCHED = 0.6, 0.8
+LIBRARIES_TRIED, GRIPS_SEARCHED = 0.6, 0.8
 """Shares of the progress after which the libraries were tried, and grips searched."""
 
 TWO_ARMS = (*BOTH, "both")
@@ -114,7 +114,7 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
         avoided,
         wanted,
         seed,
-        within(report, 0.0, FIRST),
+        within(report, 0.0, LIBRARIES_TRIED),
         cancelled,
         processor_time() + policy.seconds,
     )
@@ -122,13 +122,13 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     result = _plan_by_each(cell, policy, scene, asked, _Stages(), _library_levels(cell))
     levels = _search_levels(cell, detections, avoided)
     if levels and not _holds(result):
-        asked = replace(asked, report=within(report, FIRST, SEARCHED))
+        asked = replace(asked, report=within(report, LIBRARIES_TRIED, GRIPS_SEARCHED))
         by, stages = searching_policy(policy), _after(result)
         found = _plan_by_each(cell, by, scene, asked, stages, levels, tries=PROVEN_TRIES)
         found = replace(found, candidates=(*result.candidates, *found.candidates))
         result = _better(result, found)
     if result.plan is None and may_widen(cell, policy, result.candidates):
-        asked = replace(asked, report=within(report, SEARCHED, 1.0))
+        asked = replace(asked, report=within(report, GRIPS_SEARCHED, 1.0))
         by, stages = widened(policy), _after(result)
         wider = _plan_by_each(cell, by, scene, asked, stages, _library_levels(cell))
         result = result if wider.plan is None else _better(result, wider)
@@ -175,7 +175,7 @@ def _search_levels(
         lambda world, looked, number=number, round=round: search_candidates(
             world, number, round, looked=looked
         )
-        for round in range(len(ROUNDS))
+        for round in range(len(SEARCH_ROUNDS))
         for _, number in sorted(lying, reverse=True)
     ]
 

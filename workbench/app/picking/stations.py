@@ -46,7 +46,7 @@ MOST_PAIRS = 6
 FAR = 10.0
 """[m] Nothing in a cell is farther away."""
 
-ENOUGH = 3
+PICKS_COMPARED = 3
 """Picks of a part at a pose that are found before the soonest is taken."""
 
 
@@ -137,7 +137,7 @@ class StationSearch:
         for candidate, at in self._proposed(world):
             if self.cancelled():
                 raise JobCancelled(CancelText.PLANNING())
-            if processor_time() > self.until or count == ENOUGH:
+            if processor_time() > self.until or count == PICKS_COMPARED:
                 return
             is_asked = candidate.detection == number and candidate.arm in self.arms
             if is_asked and candidate.verdict.is_ok:

@@ -22,7 +22,7 @@ from workbench.model.scan import SearchRecord
 FOLDER = "cases"
 """In the folder of a session."""
 
-NAME = re.compile(r"\d{8}-\d{6}-[A-Za-z0-9_.-]{1,60}-\d{1,9}\.zip", re.ASCII)
+CASE_NAME = re.compile(r"\d{8}-\d{6}-[A-Za-z0-9_.-]{1,60}-\d{1,9}\.zip", re.ASCII)
 """What a case is called: when it was kept, in which cell, and the entry that it is of."""
 
 MOST_CASES = 100
@@ -127,6 +127,6 @@ def case_files(session: Path) -> tuple[Path, ...]:
     if not is_folder(folder):
         return ()
     try:
-        return tuple(sorted(path for path in folder.iterdir() if NAME.fullmatch(path.name)))
+        return tuple(sorted(path for path in folder.iterdir() if CASE_NAME.fullmatch(path.name)))
     except OSError as error:
         raise FileError(folder, error.strerror or "cannot be read") from None

@@ -39,7 +39,7 @@ from workbench.model.scan import Detection, Scan, SearchRecord
 
 FORMAT = "workbench-case/1"
 
-LARGEST = 1024 * MB
+LARGEST_CASE = 1024 * MB
 """[bytes] A case has, unpacked: about 25 million points."""
 
 LARGEST_FORM = 64 * MB
@@ -114,8 +114,8 @@ def write_case(path: Path, case: Case) -> None:
     size = sum(
         len(content_of) for content_of in content.values() if not isinstance(content_of, Path)
     )
-    if size > LARGEST:
-        sizes = {"size": f"{size / MB:.0f}", "most": f"{LARGEST / MB:.0f}"}
+    if size > LARGEST_CASE:
+        sizes = {"size": f"{size / MB:.0f}", "most": f"{LARGEST_CASE / MB:.0f}"}
         raise FileError(path, FileProblem.CASE_TOO_LARGE(**sizes))
     write_archive(path, content)
 
@@ -127,7 +127,7 @@ def read_case(path: Path) -> Case:
         FileError: it is none, is damaged, or was changed since.
     """
     with tempfile.TemporaryDirectory() as place:
-        names = unpack(path, Path(place), LARGEST)
+        names = unpack(path, Path(place), LARGEST_CASE)
         if "case.json" not in names:
             detail = "there is no case.json in it"
             raise FileError(path, FileProblem.NO_CASE(detail=detail))
@@ -148,7 +148,7 @@ def _read(place: Path) -> Case:
         return json.loads(read_whole(place / name, LARGEST_FORM))
 
     def array(digest: str) -> bytes:
-        return read_whole(place / "files" / plain_name(digest), LARGEST)
+        return read_whole(place / "files" / plain_name(digest), LARGEST_CASE)
 
     head = form("case.json")
     if head.get("format") != FORMAT:

@@ -14,7 +14,7 @@ from workbench.model.errors import InputError
 
 FORMAT = "workbench-backup/1"
 MANIFEST = "backup.json"
-KINDS = ("robots", "parts", "sessions")
+BACKED_UP_FOLDERS = ("robots", "parts", "sessions")
 """Folders below the working directory that are kept; each thing is a folder or a file in them."""
 
 
@@ -24,7 +24,7 @@ def write_backup(root: Path, out: Path, kinds: Sequence[str], more: Mapping[str,
     Args:
         root: the working directory.
         out: the zip file.
-        kinds: some of `KINDS`.
+        kinds: some of `BACKED_UP_FOLDERS`.
         more: files that come beside, by name.
 
     Returns:

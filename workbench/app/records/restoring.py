@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
 
-from workbench.app.records.keeping import FORMAT, KINDS, MANIFEST, files_of, things_in
+from workbench.app.records.keeping import BACKED_UP_FOLDERS, FORMAT, MANIFEST, files_of, things_in
 from workbench.app.records.session_archive import check_journal
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.archives import unpacked_beside
@@ -26,10 +26,10 @@ from workbench.plugins.progress import Cancelled, never
 KEPT_USERS = "users.json"
 """The users in a backup, if it has them."""
 
-LARGEST = 10 * 2**20
+LARGEST_MANIFEST = 10 * 2**20
 """[bytes] Of the manifest, and of the users."""
 
-LONGEST = 300.0
+LONGEST_READING = 300.0
 """[s] Of processor time that a process of its own may take for a backup."""
 
 Fate = Literal["new", "replaced", "the same", "left as it is"]
@@ -72,7 +72,7 @@ def unpack_backup(file: Path, root: Path) -> Generator[Unpacked]:
         _check(file, place)
         things = [
             Thing(kind, thing.name, _fate(root / kind / thing.name, thing))
-            for kind in KINDS
+            for kind in BACKED_UP_FOLDERS
             for thing in things_in(place / kind)
         ]
         yield Unpacked(place, tuple(things))
@@ -80,13 +80,17 @@ def unpack_backup(file: Path, root: Path) -> Generator[Unpacked]:
 
 def _check(path: Path, place: Path) -> None:
     try:
-        stated = json.loads(read_whole(place / MANIFEST, LARGEST))["format"]
+        stated = json.loads(read_whole(place / MANIFEST, LARGEST_MANIFEST))["format"]
     except (FileError, KeyError, TypeError, ValueError):
         raise FileError(path, FileProblem.NO_BACKUP()) from None
     if stated != FORMAT:
         detail = f"format {stated!r}, expected {FORMAT!r}"
         raise FileError(path, FileProblem.OTHER_BACKUP(detail=detail))
-    strange = {member.name for member in place.iterdir()} - {MANIFEST, KEPT_USERS, *KINDS}
+    strange = {member.name for member in place.iterdir()} - {
+        MANIFEST,
+        KEPT_USERS,
+        *BACKED_UP_FOLDERS,
+    }
     if strange:
         detail = f"it holds {sorted(strange)[0]!r}, which no backup does"
         raise FileError(path, FileProblem.OTHER_BACKUP(detail=detail))
@@ -179,7 +183,12 @@ def restore_apart(file: Path, root: Path) -> tuple[Thing, ...]:
 def _apart(file: Path, root: Path, *, is_put: bool, cancelled: Cancelled) -> tuple[Thing, ...]:
     try:
         answer = apart(
-            file, looked_into, str(root.resolve()), is_put, longest=LONGEST, cancelled=cancelled
+            file,
+            looked_into,
+            str(root.resolve()),
+            is_put,
+            longest=LONGEST_READING,
+            cancelled=cancelled,
         )
     except FileError as error:
         # Where the file lies for now says nothing to anybody.

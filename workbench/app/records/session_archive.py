@@ -11,7 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from workbench.app.records.case_folder import FOLDER, NAME, case_files
+from workbench.app.records.case_folder import CASE_NAME, FOLDER, case_files
 from workbench.app.records.certificates import certificates
 from workbench.app.records.record import SESSION
 from workbench.app.statistics.statistics import statistics
@@ -25,7 +25,7 @@ from workbench.model.errors import FileError, InputError, JournalError
 
 KNOWN = re.compile(
     r"journal\.sqlite|files/[0-9a-f]{2}/[0-9a-f]{64}|summary\.(txt|json)|statistics\.csv|scene\.html|log\.jsonl"
-    rf"|certificates/certificate-[0-9a-f]{{12}}\.json|{FOLDER}/{NAME.pattern}",
+    rf"|certificates/certificate-[0-9a-f]{{12}}\.json|{FOLDER}/{CASE_NAME.pattern}",
     re.ASCII,
 )
 """What may be in the zip file of a session."""

@@ -27,7 +27,7 @@ either: only what is farther apart is another way."""
 MOVED = 2e-5
 """[m] So far points, parts and clearances may be apart: a tenth of what a fine scanner resolves."""
 
-TURNED = float(np.deg2rad(0.02))
+MOST_TURNED = float(np.deg2rad(0.02))
 """[rad] So far parts may be turned."""
 
 ELSEWHERE = 0.001
@@ -155,7 +155,7 @@ def _pose_error(cell: Cell, detection: Detection, other: Detection) -> tuple[flo
 
 def _part_problem(detection: Detection, other: Detection, distance: float, turn: float) -> str:
     """What tells two detections apart; empty when tolerances cover it."""
-    if distance > MOVED or turn > TURNED:
+    if distance > MOVED or turn > MOST_TURNED:
         return f"lies {_millimetres(distance)} and {_degrees(turn)} elsewhere"
     if detection.roll_known != other.roll_known:
         return f"has its roll {'unknown' if detection.roll_known else 'known'} now"

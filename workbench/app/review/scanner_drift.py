@@ -36,7 +36,7 @@ from workbench.planning.placing.budget import kept_by_grip
 from workbench.planning.placing.sources import calibration_error
 from workbench.plugins.progress import Report
 
-APART = 3600.0
+CHECK_EVERY = 3600.0
 """[s] Scans that show no new part are checked so rarely: days count, not scans."""
 
 
@@ -162,7 +162,7 @@ def of_session(
             and detection.part in parts
         ]
         fresh = [stand for stand in stands if stand[2] in kept and stand[2] not in seen]
-        if not fresh and entry.at - last < APART:
+        if not fresh and entry.at - last < CHECK_EVERY:
             continue
         last = entry.at
         put_down = [_put_part(cell, *stand[:2], kept[stand[2]]) for stand in fresh]

@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 
 ANCHORED = frozenset({Approve.__name__})
 
-PATIENCE = 5.0
+ANSWER_WITHIN = 5.0
 """[s] For an answer of an address."""
 
 Anchor = Mapping[str, Any]
@@ -150,7 +150,7 @@ def _post(address: str, anchor: Anchor) -> None:
     body, about = json.dumps(anchor).encode(), {"Content-Type": "application/json"}
     request = urllib.request.Request(address, body, about, method="POST")
     try:
-        with urllib.request.urlopen(request, timeout=PATIENCE):
+        with urllib.request.urlopen(request, timeout=ANSWER_WITHIN):
             pass
     except (ValueError, HTTPException) as error:
         raise OSError(f"{type(error).__name__}: {error}") from error

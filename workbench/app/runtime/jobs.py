@@ -51,7 +51,7 @@ GRACE = 0.3
 PACE = 0.08
 """[s] Questions of one asker or of several begin no sooner after each other, however many come."""
 
-LONGEST = 10.0
+LONGEST_QUESTION = 10.0
 """[s] A question that takes longer ends the worker, so that none holds up the jobs."""
 
 ATTEMPTS = 3
@@ -249,7 +249,7 @@ class Jobs:
         if now < self._next_question:
             return None
         self._asked = asked = self._questions.pop(next(iter(self._questions)))
-        self._next_question, self._kill_at = now + PACE, now + LONGEST
+        self._next_question, self._kill_at = now + PACE, now + LONGEST_QUESTION
         # Below 0, so that it is no job's number, and no cancelling of a job ends it.
         self._asked_count += 1
         return Request(-self._asked_count, asked.name, asked.arguments, self._cell)

@@ -13,7 +13,7 @@ from workbench.plugins.progress import Report
 NUMBER = 1
 """Of the only job."""
 
-POLL = 0.2
+POLL_EVERY = 0.2
 """[s] How soon it is noticed that somebody gives up."""
 
 
@@ -54,7 +54,7 @@ def in_own_process(
                 jobs.cancel(NUMBER)
                 is_cancelled = True
             with suppress(Empty):
-                result = ends.get(timeout=POLL)
+                result = ends.get(timeout=POLL_EVERY)
     finally:
         jobs.close()
     if isinstance(result, Exception):

@@ -16,7 +16,7 @@ log = logging.getLogger(__name__)
 EVERY = 0.5
 """[s] Between two looks at the files."""
 
-KINDS = frozenset(
+FILE_ENDINGS = frozenset(
     {".toml", ".urdf", ".srdf", ".stl", ".obj", ".ply", ".glb", ".dae", ".pcd"},
 )
 """Endings of the files that a cell is read from: tables, robots, meshes."""
@@ -74,7 +74,7 @@ class CellWatch:
         files = [file for folder in self._folders() for file in sorted(folder.rglob("*"))]
         for file in files:
             if (
-                file.suffix.lower() in KINDS
+                file.suffix.lower() in FILE_ENDINGS
                 and not file.name.startswith(".")
                 and not _is_kept(file)
             ):

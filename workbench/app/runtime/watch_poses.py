@@ -23,10 +23,10 @@ log = logging.getLogger(__name__)
 EVERY = 0.1
 """[s] Between two looks into the folder."""
 
-STILL = 0.3
+COMPLETE_AFTER = 0.3
 """[s] A file that has not changed for that long is complete."""
 
-KINDS = frozenset({".txt", ".json", ".tuple", ".tup"})
+FILE_ENDINGS = frozenset({".txt", ".json", ".tuple", ".tup"})
 
 LONGEST_PROBLEM = 300
 """Characters of a problem that are reported."""
@@ -44,7 +44,9 @@ class PosesWatch:
     Concurrency: a thread of its own, which gives commands.
     """
 
-    def __init__(self, bench: Bench, *, every: float = EVERY, still: float = STILL) -> None:
+    def __init__(
+        self, bench: Bench, *, every: float = EVERY, still: float = COMPLETE_AFTER
+    ) -> None:
         """Begin to watch the folder that the bench's cell names, whichever that is by then.
 
         Args:
@@ -80,7 +82,7 @@ class PosesWatch:
             self._folder = None
             return
         try:
-            files, is_there = stamps(Path(folder.path), KINDS), True
+            files, is_there = stamps(Path(folder.path), FILE_ENDINGS), True
         except OSError:  # it is not there yet, or not just now
             files, is_there = dict[Path, Stamp](), False
         if self._folder is None or folder.path != self._folder.path:

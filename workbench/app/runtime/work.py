@@ -34,7 +34,7 @@ from workbench.model.plan import PlanResult
 from workbench.model.scan import LocalizationResult, Scan, Scene, SearchOverrides, Unexplained
 from workbench.perception.calibration.ball_scan import sight_balls
 from workbench.perception.calibration.balls import sight_plate
-from workbench.perception.parts.sizing import ROUNDS, learn_sizes, offset_of
+from workbench.perception.parts.sizing import MOST_SEARCHES, learn_sizes, offset_of
 from workbench.perception.scene.merging import merged
 from workbench.perception.scene.own_robot import without_robot
 from workbench.perception.scene.unexplained import look_around, unexplained
@@ -154,7 +154,7 @@ def correct(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled:
     def search(sized: Cell) -> LocalizationResult:
         nonlocal searches
         begun, searches = searches, searches + 1
-        share = 1.0 / (ROUNDS + 1)
+        share = 1.0 / (MOST_SEARCHES + 1)
         return find_parts(
             sized, arguments, lambda done, note: report((begun + done) * share, note), cancelled
         )
@@ -166,7 +166,7 @@ def correct(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled:
     shape = round_shape(folder / "part.toml", part.scale * size, part.offset + by)
     if (size, by) == (1.0, 0.0) or shape == (part.scale, part.offset):
         raise InputError(ScaleText.AS_IT_IS(part=name))
-    report(ROUNDS / (ROUNDS + 1), ProgressText.READING())
+    report(MOST_SEARCHES / (MOST_SEARCHES + 1), ProgressText.READING())
     return read_part(folder, shape)
 
 

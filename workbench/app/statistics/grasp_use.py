@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from workbench.model.part import TURNED
+from workbench.model.part import TURN_MARK
 from workbench.model.release import PickResult
 
 FAILED = set(PickResult) - {PickResult.PICKED}
@@ -55,7 +55,7 @@ def count_judged(parts: Sequence[str], candidates: Iterable[Mapping[str, Any]]) 
     possible: Counter[tuple[str, str]] = Counter()
     for candidate in candidates:
         number: int = candidate["detection"]
-        key = (parts[number], candidate["grasp"]["name"].partition(TURNED)[0])
+        key = (parts[number], candidate["grasp"]["name"].partition(TURN_MARK)[0])
         tried[key] += 1
         possible[key] += candidate["verdict"]["reason"] == "ok"
     return {key: GraspUse(count, possible[key]) for key, count in tried.items()}
@@ -70,7 +70,7 @@ def count_taken(picks: Iterable[tuple[str, str, str]]) -> Uses:
     uses: dict[tuple[str, str], GraspUse] = {}
     for part, grasp, result in picks:
         use = GraspUse(planned=1, picked=result == "picked", failed=result in FAILED)
-        key = (part, grasp.partition(TURNED)[0])
+        key = (part, grasp.partition(TURN_MARK)[0])
         uses[key] = uses.get(key, GraspUse()) + use
     return uses
 

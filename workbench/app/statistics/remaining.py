@@ -18,7 +18,7 @@ Hindrance = Literal["walls", "neighbours", "floor", "ways", "reach", "other"]
 WALL, FLOOR = "wall", ("floor", "table")
 """What the names of such bodies contain."""
 
-MOST = 400
+MOST_REMEMBERED = 400
 """Remaining parts that a session remembers, the latest ones."""
 
 
@@ -58,7 +58,7 @@ class Remaining:
     @property
     def value(self) -> tuple[RemainingPart, ...]:
         """The parts, the latest last."""
-        return (*self._before, *self._now)[-MOST:]
+        return (*self._before, *self._now)[-MOST_REMEMBERED:]
 
 
 def remaining(

@@ -21,7 +21,7 @@ from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.statistics.cycles import CycleRecord, PickRecord, Rate
 from workbench.app.statistics.grasp_use import NO_USES, Uses, add_uses, count_judged, count_taken
 from workbench.app.statistics.kits import KitCount, Kits, add_kits
-from workbench.app.statistics.remaining import MOST, Remaining, RemainingPart
+from workbench.app.statistics.remaining import MOST_REMEMBERED, Remaining, RemainingPart
 from workbench.app.statistics.rows import numbers_of_row, picks_of_row, takes_no_part
 from workbench.app.statistics.turns import Turns
 from workbench.journal.journal import Row
@@ -389,6 +389,6 @@ def together(parts: Iterable[Statistics]) -> Statistics:
         tuple(sorted(cycles, key=lambda cycle: cycle.at)),
         tuple(refusals.most_common()),
         uses,
-        tuple(left for part in parts for left in part.remaining)[-MOST:],
+        tuple(left for part in parts for left in part.remaining)[-MOST_REMEMBERED:],
         add_kits(*(part.kits for part in parts)),
     )

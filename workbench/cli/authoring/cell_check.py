@@ -16,7 +16,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Arm, Cell
 from workbench.model.load import Load, tool_load
 from workbench.model.scan import Detection
-from workbench.planning.placing.chance import SURE
+from workbench.planning.placing.chance import CONFIDENCE
 from workbench.planning.placing.sources import calibration_error
 from workbench.studies.layout.flange_picture import draw_flanges
 from workbench.studies.layout.flanges import lean_of
@@ -30,7 +30,7 @@ NO_SPEED = 100.0
 """[rad/s] A joint that turns faster has probably no limit."""
 
 SURELY = 1.96
-"""Deviations within which a normal error is in `SURE` of all cases."""
+"""Deviations within which a normal error is in `CONFIDENCE` of all cases."""
 
 SKEW = np.deg2rad(5.0)
 """[rad] A flange whose z is further off the last axis than this holds no tool as one expects."""
@@ -139,7 +139,7 @@ def _narrow_joints(cell: Cell) -> Iterator[str]:
                 yield (
                     f"recipe {recipe.number}: the joint of {item.part} and {item.insertion.base} "
                     f"takes {item.insertion.joint.takes * 1000:.2g} mm, and the calibration alone "
-                    f"is off by {far * 1000:.2g} mm in the bin ({SURE:.0%}, along one axis)"
+                    f"is off by {far * 1000:.2g} mm in the bin ({CONFIDENCE:.0%}, along one axis)"
                 )
 
 

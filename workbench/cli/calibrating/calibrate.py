@@ -30,7 +30,7 @@ from workbench.cli.calibrating.report import (
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_whole, print_json, progress
 from workbench.formats.cells.calibrations import (
-    FILE,
+    CALIBRATION_FILE,
     ScannedPose,
     read_scanned_poses,
     write_scanned_poses,
@@ -51,7 +51,7 @@ from workbench.perception.calibration.balls import sight_plate
 WRONG = pose_from_rpy((0.012, -0.008, 0.015), np.deg2rad((1.2, -0.8, 1.5)))
 """From where the cell has the scanner to where it truly hangs in a simulation."""
 
-MOST = 30
+MOST_POSES = 30
 """Poses that are simulated."""
 
 
@@ -65,7 +65,7 @@ def calibrate(typed: arguments.Calibrate) -> int:
     if typed.in_hand and cell.scanner.on_arm is None:
         raise InputError(f"the scanner of cell {cell.name} stands: --in-hand is for pairs")
     if typed.simulate:
-        check_whole("--count", typed.count, 4, MOST)
+        check_whole("--count", typed.count, 4, MOST_POSES)
         check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
         _simulate(cell, typed)
     found = read_scanned_poses(typed.poses, cell)
@@ -76,7 +76,9 @@ def calibrate(typed: arguments.Calibrate) -> int:
         for number, pose in enumerate(found.poses):
             name = pose.scan.name
             report(number / len(found.poses), name)
-            scan = read_scan(pose.scan, mount, key=f"`unit` in {FILE}, or that of the cell")
+            scan = read_scan(
+                pose.scan, mount, key=f"`unit` in {CALIBRATION_FILE}, or that of the cell"
+            )
             try:
                 observations.append(sight_plate(scan, found.plate, name, found.arm, pose.q))
             except InputError as error:
@@ -144,8 +146,10 @@ def _true_pose(cell: Cell) -> pin.SE3:
 def _simulate(cell: Cell, typed: arguments.Calibrate) -> None:
     """Scans of the simulated cell, whose scanner hangs elsewhere than the cell says."""
     folder: Path = typed.poses
-    if (folder / FILE).exists():
-        raise InputError(f"{folder / FILE}: is there already; name another folder for --simulate")
+    if (folder / CALIBRATION_FILE).exists():
+        raise InputError(
+            f"{folder / CALIBRATION_FILE}: is there already; name another folder for --simulate"
+        )
     carrier, plate = cell.scanner.on_arm, BallPlate()
     arm = cell.arms[0] if carrier is None else cell.arm(carrier.arm)
     seen = with_scanner_at(cell, _true_pose(cell))

@@ -13,7 +13,7 @@ from workbench.cli.calibrating.report import (
     print_poses,
 )
 from workbench.cli.terminal import print_json
-from workbench.formats.cells.calibrations import FILE
+from workbench.formats.cells.calibrations import CALIBRATION_FILE
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import is_folder
 from workbench.formats.poses.conventions import convention
@@ -26,7 +26,7 @@ def is_pairs(path: Path) -> bool:
     """Whether this is a file of pairs, or a folder of Zivid's, and no folder of scans."""
     if not is_folder(path):
         return path.is_file()
-    return not (path / FILE).exists() and any(path.glob(ZIVID[0]))
+    return not (path / CALIBRATION_FILE).exists() and any(path.glob(ZIVID[0]))
 
 
 def calibrate_by_pairs(typed: Calibrate, cell: Cell) -> Calibration:

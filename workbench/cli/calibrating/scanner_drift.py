@@ -23,7 +23,7 @@ from workbench.perception.calibration.drift import DAY, DriftHistory
 UNITS = np.array([1000.0] * 3 + [180 / np.pi] * 3)
 """Metres and radians in millimetres and degrees."""
 
-AXES = ("x mm", "y mm", "z mm", "about x deg", "about y deg", "about z deg")
+AXIS_NAMES = ("x mm", "y mm", "z mm", "about x deg", "about y deg", "about z deg")
 
 
 def drift(typed: arguments.ScannerDrift) -> int:
@@ -63,7 +63,7 @@ def _print(cell: Cell, found: RecordedDrift) -> None:
         print_table(
             f"Where {course.thing} has the scanner, "
             "from where the cell has it, at the bin's middle",
-            ("day", *AXES),
+            ("day", *AXIS_NAMES),
             [*rows, ("", *marks)],
         )
     for sentence in drift_words(cell, found.drift):

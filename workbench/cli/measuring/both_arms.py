@@ -10,12 +10,12 @@ from workbench.cli.terminal import check_number, check_whole, print_json, print_
 from workbench.formats.cells.reading import read_cell
 from workbench.studies.motion.both_arms import BothArms, compare, summary
 
-MOST = 1_000_000
+MOST_PAIRS = 1_000_000
 
 
 def both_arms(typed: BenchBothArms) -> int:
     """Plan them, and tell what came out by each planner."""
-    check_whole("--pairs", typed.pairs, 1, MOST)
+    check_whole("--pairs", typed.pairs, 1, MOST_PAIRS)
     check_number("--seconds", typed.seconds, 0.01, 600)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.pairs)
     both = BothArms(read_cell(typed.cell))

@@ -23,7 +23,7 @@ from workbench.studies.emptying.plot import draw_emptying
 
 ALL = "all"
 MOST_PILES = 1_000_000
-LONGEST = 3600.0
+LONGEST_STEP = 3600.0
 """[s] A scan or an approval takes no longer."""
 
 COMPARED = ("taken_share", "parts_per_hour", "cycles", "scans", "failed_picks", "touches")
@@ -42,8 +42,8 @@ def emptying(typed: StudyEmptying) -> int:
     if typed.stirs is not None:
         check_whole("--stirs", typed.stirs, 0, MOST_STIRS)
     check_whole("--workers", typed.workers, 1, 1024)
-    check_number("--scan-seconds", typed.scan_seconds, 0.0, LONGEST)
-    check_number("--approval-seconds", typed.approval_seconds, 0.0, LONGEST)
+    check_number("--scan-seconds", typed.scan_seconds, 0.0, LONGEST_STEP)
+    check_number("--approval-seconds", typed.approval_seconds, 0.0, LONGEST_STEP)
     tasks = [
         PileTask(
             typed.cell,

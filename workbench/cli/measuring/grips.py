@@ -9,13 +9,13 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.studies.grips.holding import Case, measure, summary
 
-MOST = 1_000_000
+MOST_GRIPS = 1_000_000
 
 
 def grips(typed: StudyGrips) -> int:
     """Carry it out and print what was found."""
-    check_whole("--grips", typed.grips, 1, MOST)
-    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1 - MOST)
+    check_whole("--grips", typed.grips, 1, MOST_GRIPS)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1 - MOST_GRIPS)
     check_whole("--workers", typed.workers, 1, 1024)
     check_number("--force", typed.force, 0.1, 10_000.0)
     check_number("--acceleration", typed.acceleration, 0.0, 1000.0)

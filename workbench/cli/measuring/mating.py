@@ -12,13 +12,13 @@ from workbench.perception.simulation.inserting import Push
 from workbench.plugins.progress import within
 from workbench.studies.mating import Inserts, Mated, insert_parts
 
-MOST = 1_000_000
+MOST_INSERTIONS = 1_000_000
 
 
 def study_mating(typed: StudyMating) -> int:
     """Carry it out and print what was found."""
-    check_whole("--insertions", typed.insertions, 1, MOST)
-    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1 - 3 * MOST)
+    check_whole("--insertions", typed.insertions, 1, MOST_INSERTIONS)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1 - 3 * MOST_INSERTIONS)
     check_number("--wider", typed.wider, 0.0, 100.0)
     check_number("--force", typed.force, 1.0, 1000.0)
     check_number("--friction", typed.friction, 0.0, 2.0)

@@ -10,14 +10,14 @@ from workbench.cli.terminal import check_number, check_whole, print_json, print_
 from workbench.studies.cases import run_cases
 from workbench.studies.picking.pallets import SEEDS, Case, fill_pallets, summary
 
-MOST = 10_000
+MOST_PALLETS = 10_000
 
 
 def pallets(typed: StudyPallets) -> int:
     """Carry it out and print what was found."""
-    check_whole("--pallets", typed.pallets, 1, MOST)
+    check_whole("--pallets", typed.pallets, 1, MOST_PALLETS)
     check_whole("--parts", typed.parts, 1, 200)
-    check_whole("--seed", typed.seed, 0, SEED_LIMIT // SEEDS - 1 - MOST)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT // SEEDS - 1 - MOST_PALLETS)
     check_whole("--workers", typed.workers, 1, 1024)
     check_number("--off-mm", typed.off_mm, 0.0, 50.0)
     cases = [

@@ -10,13 +10,13 @@ from workbench.cli.terminal import check_number, check_whole, print_json, print_
 from workbench.formats.cells.reading import read_cell
 from workbench.studies.placing import Case, measure, summary
 
-MOST = 1_000_000
+MOST_GRIPS = 1_000_000
 
 
 def placing(typed: StudyPlacing) -> int:
     """Carry it out and print what was found."""
-    check_whole("--grips", typed.grips, 1, MOST)
-    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1 - MOST)
+    check_whole("--grips", typed.grips, 1, MOST_GRIPS)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1 - MOST_GRIPS)
     check_whole("--workers", typed.workers, 1, 1024)
     check_number("--wider", typed.wider, 0.0, 100.0)
     check_number("--force", typed.force, 0.1, 10_000.0)

@@ -23,18 +23,18 @@ from workbench.studies import localization, pairs, planners, plots, threshold
 from workbench.studies.cases import run_cases
 from workbench.studies.picking import picks
 
-MOST = 1_000_000
+HIGHEST_COUNT = 1_000_000
 
 
 def bench_planners(typed: BenchPlanners) -> int:
     """Compare the planners."""
-    check_whole("--targets", typed.targets, 1, MOST)
+    check_whole("--targets", typed.targets, 1, HIGHEST_COUNT)
     check_number("--seconds", typed.seconds, 0.01, 600)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     if not typed.iterations or not typed.planners:
         raise InputError("--iterations and --planners need at least one value each")
     for allowed in typed.iterations:
-        check_whole("--iterations", allowed, 1, MOST)
+        check_whole("--iterations", allowed, 1, HIGHEST_COUNT)
     for name in typed.planners:
         planner_named(name)
     cell = read_cell(typed.cell)
@@ -96,7 +96,7 @@ def _planner_words(row: dict[str, Any]) -> tuple[str, ...]:
 
 def bench_pick(typed: BenchPick) -> int:
     """Time the stages of planning."""
-    check_whole("--scenes", typed.scenes, 1, MOST)
+    check_whole("--scenes", typed.scenes, 1, HIGHEST_COUNT)
     check_whole("--parts", typed.parts, 1, MOST_PARTS)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
     with progress("picks") as report:
@@ -136,7 +136,7 @@ def study_localization(typed: StudyLocalization) -> int:
     """Find parts whose poses are known, and compare."""
     if typed.cases is not None:
         return study_cases(typed, typed.cases)
-    check_whole("--scenes", typed.scenes, 1, MOST)
+    check_whole("--scenes", typed.scenes, 1, HIGHEST_COUNT)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
     if not typed.parts or not typed.counts or not typed.noise:
         raise InputError("--parts, --counts and --noise need at least one value each")
@@ -224,7 +224,7 @@ def _localization_words(row: dict[str, Any]) -> tuple[str, ...]:
 
 def study_threshold(typed: StudyThreshold) -> int:
     """Plan piles of two parts both ways, and compare."""
-    check_whole("--cycles", typed.cycles, 1, MOST)
+    check_whole("--cycles", typed.cycles, 1, HIGHEST_COUNT)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.cycles)
     check_whole("--workers", typed.workers, 1, 1024)
     for value in typed.thresholds:

@@ -26,7 +26,7 @@ from workbench.planning.picking.nearest_fix import Fix, fix_words, nearest_fix
 from workbench.planning.picking.whole_bin import Blocker, blockers, common_fixes
 from workbench.planning.placing.assembling import base_errors, nest_error
 from workbench.planning.placing.budget import Budget, budget_of
-from workbench.planning.placing.chance import SURE
+from workbench.planning.placing.chance import CONFIDENCE
 
 JUDGED = (Stage.PROPOSE, Stage.GRASP, Stage.APPROACH, Stage.EXTRACT, Stage.PLACE)
 """Stages of a single candidate, in the order of the line."""
@@ -129,7 +129,7 @@ def _sure_form(candidate: Candidate, budget: Budget) -> dict[str, object]:
         **({"tcp": candidate.tcp} if candidate.tcp else {}),
         "shift_mm": round(budget.shift * 1000, 3),
         "turn_deg": round(float(np.rad2deg(budget.turn)), 3),
-        "confidence": SURE,
+        "confidence": CONFIDENCE,
         "most_from": str(source()),
         "axis": str(axis()),
         "chance": budget.chance,

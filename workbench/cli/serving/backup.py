@@ -6,8 +6,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from workbench.app.records.keeping import KINDS, write_backup
-from workbench.app.records.restoring import KEPT_USERS, LARGEST, Thing, put_in_place, unpack_backup
+from workbench.app.records.keeping import BACKED_UP_FOLDERS, write_backup
+from workbench.app.records.restoring import (
+    KEPT_USERS,
+    LARGEST_MANIFEST,
+    Thing,
+    put_in_place,
+    unpack_backup,
+)
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import print_table
@@ -20,7 +26,7 @@ from workbench.web.access.user_backup import add_users, checked_users, kept_user
 def backup(typed: arguments.Backup) -> int:
     """Write all of it into one zip file."""
     more = {KEPT_USERS: json.dumps(_users_of(typed.users)).encode()} if typed.with_users else {}
-    kinds = KINDS if typed.with_sessions else KINDS[:-1]
+    kinds = BACKED_UP_FOLDERS if typed.with_sessions else BACKED_UP_FOLDERS[:-1]
     count = write_backup(Path.cwd(), typed.out, kinds, more)
     if typed.with_users:
         typed.out.chmod(OWNER_ONLY)
@@ -66,7 +72,7 @@ def _users_in(path: Path, kept: Path | None) -> Sequence[Mapping[str, Any]]:
     if kept is None:
         return ()
     try:
-        return checked_users(json.loads(read_whole(kept, LARGEST)))
+        return checked_users(json.loads(read_whole(kept, LARGEST_MANIFEST)))
     except ValueError as error:
         raise FileError(path, f"users: {error}") from None
     except InputError as error:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from workbench.model.errors import FileError
 
-LARGEST = 10 * 2**20
+LARGEST_LOG = 10 * 2**20
 """[bytes] A file of the log is turned when it would become larger."""
 
 KEPT = 5
@@ -39,7 +39,7 @@ def begin_log(path: Path | None) -> None:
         return
     try:
         handler = logging.handlers.RotatingFileHandler(
-            path, maxBytes=LARGEST, backupCount=KEPT, encoding="utf-8"
+            path, maxBytes=LARGEST_LOG, backupCount=KEPT, encoding="utf-8"
         )
     except (OSError, ValueError) as error:
         raise FileError(path, getattr(error, "strerror", None) or "cannot be written") from None

@@ -11,7 +11,7 @@ from pathlib import Path
 from workbench.model.cell import Controller
 from workbench.model.errors import LinkError
 
-PATIENCE = 5.0
+ENDS_WITHIN = 5.0
 """How long [s] a controller may take to end."""
 
 HOME_AFTER = 3.0
@@ -54,7 +54,7 @@ def simulated_controller(
         finally:
             process.stdin.close()
             try:
-                process.wait(PATIENCE)
+                process.wait(ENDS_WITHIN)
             except subprocess.TimeoutExpired:
                 process.kill()
 

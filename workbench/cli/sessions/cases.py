@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.app.records.case_folder import case_files
-from workbench.app.records.cases import LARGEST, Case, read_case
+from workbench.app.records.cases import LARGEST_CASE, Case, read_case
 from workbench.app.records.session_archive import open_journal
 from workbench.cli.arguments.session import SessionCases
 from workbench.cli.exits import BAD_INPUT, SUCCESS
@@ -25,7 +25,7 @@ def cases(typed: SessionCases) -> int:
         try:
             rows.append(_row(path, read_case(path)))
             if typed.out is not None and not (typed.out / path.name).exists():
-                write_whole(typed.out / path.name, read_whole(path, LARGEST))
+                write_whole(typed.out / path.name, read_whole(path, LARGEST_CASE))
                 copied += 1
         except FileError as error:
             broken += 1

@@ -129,7 +129,7 @@ class Channel:
         self.came, first = [], None
         for _ in range(AT_ONCE):
             try:
-                data, sender = self._socket.recvfrom(wire.LONGEST)
+                data, sender = self._socket.recvfrom(wire.LONGEST_MESSAGE)
             except BlockingIOError:
                 break
             except OSError as error:

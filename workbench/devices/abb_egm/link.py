@@ -19,12 +19,12 @@ from workbench.plugins.robot_link import USUAL, LinkPatience, Running, Simulatio
 if TYPE_CHECKING:
     from workbench.devices.abb_egm.channel import Channel
 
-POLL = 0.1
+POLL_EVERY = 0.1
 """[s] Between two looks whether to end."""
 
 MOST_AXES = 7
 
-STILL = 1e-5
+STANDS_WITHIN = 1e-5
 """[rad] Between two reports; an arm that moved by less stands."""
 
 RECENT = 0.2
@@ -124,11 +124,11 @@ class AbbEgm:
             before: RobotState | None = None
             moved: dict[str, float] = {}
             while not cancelled():
-                select.select(channels, [], [], POLL)
+                select.select(channels, [], [], POLL_EVERY)
                 # Each one, ready or not: what an arm reported before it fell silent is no state.
                 for channel in channels:
                     was, feedback = channel.last, channel.hear()
-                    if feedback and was and abs(feedback.axes - was.axes).max() > STILL:
+                    if feedback and was and abs(feedback.axes - was.axes).max() > STANDS_WITHIN:
                         moved[channel.arm.name] = time.monotonic()
                 if any(channel.last is None for channel in channels):
                     continue

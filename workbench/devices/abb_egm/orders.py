@@ -16,7 +16,7 @@ from workbench.model.release import Approval
 NO_LOAD = (0.0,) * 11
 """Mass, centre of gravity, axes and inertia of a load that is not reported."""
 
-STILL = 1e-6
+SAME_OPENING = 1e-6
 """[m] Openings that differ by less are the same."""
 
 
@@ -89,7 +89,11 @@ def score_of(cell: Cell, plan: Plan, approval: Approval) -> Score:
             if np.any(leg.q < lower - 1e-6) or np.any(leg.q > upper + 1e-6):
                 raise InputError(f"leg {leg_name} goes beyond the limits of arm {name}")
             before = hands.get(name)
-            if before is None or before[1] != leg.holding or abs(before[0] - leg.opening) > STILL:
+            if (
+                before is None
+                or before[1] != leg.holding
+                or abs(before[0] - leg.opening) > SAME_OPENING
+            ):
                 hands[name] = leg.opening, leg.holding
                 loads, load = plan.arm(name).loads, NO_LOAD
                 if loads is not None:

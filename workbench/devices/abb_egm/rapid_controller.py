@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from workbench.devices.abb_egm.rapid_guidance import Guidance
-from workbench.devices.abb_egm.twin import BESIDE, LOCKSTEP, free_ports, socket_beside
+from workbench.devices.abb_egm.twin import LOCKSTEP, OTHER_ARM_WAIT, free_ports, socket_beside
 from workbench.devices.rapid.controller import Operator, RapidController
 from workbench.devices.rapid.motion import Mechanism
 from workbench.devices.rapid.tasks import Task
@@ -19,7 +19,7 @@ from workbench.plugins.robot_link import Running, Simulation
 UNHEARD = 0.001
 """[s] Between two messages that nobody answers, faster than in real time."""
 
-KINDS = ("motion", "states")
+PORT_KINDS = ("motion", "states")
 
 
 class GuidedController(RapidController):
@@ -55,7 +55,7 @@ class GuidedController(RapidController):
             InputError: a module cannot run, or a device is of no arm.
         """
         count, ports = len(cell.arms), {"motion": port, "states": state_port}
-        for kind in KINDS:
+        for kind in PORT_KINDS:
             while not ports[kind] or abs(ports["motion"] - ports["states"]) < count:
                 ports[kind] = free_ports(host, count)
         self._sensor, self._ports, self._in_haste = host, ports, speed > 1.0
@@ -76,7 +76,7 @@ class GuidedController(RapidController):
             return {}
         ports: dict[str, tuple[str, int]] = {}
         for name, words in self.setup.devices.items():
-            if len(words) != 2 or words[0] not in KINDS or words[1] not in self._arms:
+            if len(words) != 2 or words[0] not in PORT_KINDS or words[1] not in self._arms:
                 raise InputError(
                     f"device {name}: `motion` or `states` and an arm of the cell are expected, "
                     f"not {', '.join(words)}"
@@ -113,7 +113,7 @@ class GuidedController(RapidController):
             for guidance in ready:
                 guidance.hear()
                 awaited.remove(guidance)
-                until = min(until, time.monotonic() + BESIDE)
+                until = min(until, time.monotonic() + OTHER_ARM_WAIT)
         for guidance in awaited:
             guidance.is_prompt = not self._in_haste and guidance.is_prompt
         for guidance in self._guidances:

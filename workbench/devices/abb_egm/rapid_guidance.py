@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from workbench.devices.abb_egm import wire
-from workbench.devices.rapid.motion import STEP, Mechanism
+from workbench.devices.rapid.motion import TIME_STEP, Mechanism
 from workbench.devices.rapid.tasks import Task
 from workbench.formats.rapid.problems import RapidError, RapidStop
 from workbench.formats.rapid.values import Place
@@ -177,7 +177,7 @@ class Guidance:
         self._target, self._converged, self._unheard = np.array(self._arm.here), 0, 0
         self._error, self._running, self._arm.is_guided = "", number, True
         self._is_heard = not self._waits
-        wanted = max(round((1.0 if seconds is None else seconds) / STEP), 1)
+        wanted = max(round((1.0 if seconds is None else seconds) / TIME_STEP), 1)
         try:
             self._task.wait(lambda: self._is_over(number, wanted))
         finally:
@@ -204,7 +204,7 @@ class Guidance:
             return False
         active, (_, port, timeout) = self._active[self._running], self._devices[self._running]
         self._unheard += self._is_heard
-        if self._unheard * STEP > timeout:
+        if self._unheard * TIME_STEP > timeout:
             self._error = "ERR_UDPUC_COMM"
             return False
         if not self._arm.stops:
@@ -216,10 +216,10 @@ class Guidance:
 
     def _follow(self, active: dict[str, Any]) -> None:
         off = self._target - self._arm.here
-        most = np.minimum(self._arm.axes.velocity, active["fastest"]) * STEP
+        most = np.minimum(self._arm.axes.velocity, active["fastest"]) * TIME_STEP
         # As the filter lets it, and no faster than it may.
         self._arm.here = self._arm.here + np.clip(
-            off * STEP / (active["delay"] + STEP), -most, most
+            off * TIME_STEP / (active["delay"] + TIME_STEP), -most, most
         )
         off = self._target - self._arm.here
         limits = active["limits"]
@@ -233,7 +233,7 @@ class Guidance:
         runs = wire.RAPID_RUNNING if self._task.is_running else wire.RAPID_STOPPED
         return wire.Feedback(
             self._numbers[ident],
-            round(self._ticks * STEP * 1000) % (1 << 32),
+            round(self._ticks * TIME_STEP * 1000) % (1 << 32),
             np.deg2rad(self._arm.here),
             motors,
             wire.MCI_RUNNING,
@@ -250,7 +250,7 @@ class Guidance:
         """Take what was answered."""
         while True:
             try:
-                data = self._socket.recv(wire.LONGEST)
+                data = self._socket.recv(wire.LONGEST_MESSAGE)
             except OSError:
                 return
             with suppress(LinkError):  # what is no answer of a sensor is no fault of the controller

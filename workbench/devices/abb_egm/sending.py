@@ -26,10 +26,10 @@ from workbench.model.release import LinkStatus, Receipt
 from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import LinkPatience
 
-NEAR = np.deg2rad(0.2)
+START_TOLERANCE = np.deg2rad(0.2)
 """[rad] A joint may stand this far from where the plan begins, or a leg ends."""
 
-OFF = np.deg2rad(1.0)
+FOLLOWING_TOLERANCE = np.deg2rad(1.0)
 """[rad] A joint may be so far from where its references were within `LAG`, also where it stands."""
 
 LAG = 25
@@ -47,7 +47,7 @@ LOOKS = 5
 CONNECT = 2.0
 """[s] A controller whose EGM runs is heard at once."""
 
-POLL = 0.05
+POLL_EVERY = 0.05
 SHOWN = 25
 """[reports] Between two looks for whoever watches."""
 
@@ -129,7 +129,7 @@ class EgmSending:
             if self._patience.clock() > until:
                 arm = min(heard, key=lambda name: heard[name])
                 raise LinkError(trouble or DeviceText.NO_REPORTS(arm=arm))
-            select.select(list(self._channels.values()), [], [], POLL)
+            select.select(list(self._channels.values()), [], [], POLL_EVERY)
             for name, channel in self._channels.items():
                 try:
                     if channel.hear_first():
@@ -267,7 +267,7 @@ class EgmSending:
                 noted there instead, and the arm is left out.
         """
         open_ones = self._open_ones(silent or {})
-        select.select(list(open_ones.values()), [], [], POLL)
+        select.select(list(open_ones.values()), [], [], POLL_EVERY)
         for name, channel in open_ones.items():
             try:
                 is_new = channel.hear() is not None
@@ -293,20 +293,20 @@ class EgmSending:
         """An arm is near its last references, also one that is to stand where it is."""
         q = self._channels[name].q_of(feedback)
         off = np.abs(np.array(self._refs[name]) - q).max(axis=1).min()
-        if not off <= OFF:
+        if not off <= FOLLOWING_TOLERANCE:
             raise LinkError(DeviceText.NOT_FOLLOWING(name=name, off=float(off), where=self._where))
 
     def _check_stands(self, name: str, q: Floats, where: Message) -> None:
         channel = self._channels[name]
         off = np.abs(channel.q - q)
-        if not off.max() <= NEAR:
+        if not off.max() <= START_TOLERANCE:
             joint = channel.arm.joints[int(off.argmax())]
             raise LinkError(DeviceText.OFF_TARGET(joint=joint, off=float(off.max()), where=where))
 
     def _is_there(self, name: str) -> bool:
         feedback = self._channels[name].last
         off = np.abs(self._channels[name].q - self._refs[name][-1]).max()
-        return feedback is not None and feedback.is_converged and bool(off <= NEAR / 2)
+        return feedback is not None and feedback.is_converged and bool(off <= START_TOLERANCE / 2)
 
     def _answer(self, name: str, q: Floats) -> None:
         self._refs[name].append(q)

@@ -34,7 +34,7 @@ HELD_UP = 60
 LOCKSTEP = 0.5
 """[s] So long is an answer waited for, faster than in real time."""
 
-BESIDE = 0.01
+OTHER_ARM_WAIT = 0.01
 """[s] So long is the answer of one arm waited for when another's has come: a plan that has ended
 for one arm is answered for the other alone, to which this must be no silence."""
 
@@ -157,7 +157,7 @@ class SimulatedEgm:
                 k = self._sockets.index(readable)
                 self._take(k, readable)
                 if self._speed > 1.0 and k in missing:
-                    due = min(due, time.monotonic() + BESIDE)
+                    due = min(due, time.monotonic() + OTHER_ARM_WAIT)
                 missing.discard(k)
             if left <= 0.0 or (self._speed > 1.0 and awaited and not missing):
                 for k in missing:
@@ -168,7 +168,7 @@ class SimulatedEgm:
         # What is no answer of a sensor is no fault of the controller.
         with suppress(OSError, LinkError):
             arm = self.arms[k]
-            if arm.take(wire.read_reference(connection.recv(wire.LONGEST))):
+            if arm.take(wire.read_reference(connection.recv(wire.LONGEST_MESSAGE))):
                 _append(self._record, {"arm": arm.arm.name, "order": arm.orders[-1]})
 
     def _draw(self, arm: TwinArm) -> None:

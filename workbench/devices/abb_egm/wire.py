@@ -22,7 +22,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.devices import DeviceText
 
 PERIOD_MS = 4
-LONGEST = 4096
+LONGEST_MESSAGE = 4096
 """[bytes] No message of EGM is longer."""
 
 DATA, CORRECTION = 2, 3

@@ -31,7 +31,7 @@ Kind = Literal["start", "in", "out", "stop"]
 REQUEST = b"send"
 """What the controller says when it is ready for the next message."""
 
-LONGEST = 80
+LONGEST_STRING = 80
 """Characters of the longest RAPID string."""
 
 ALONE: frozenset[LegName] = frozenset({"home", "view"})
@@ -71,7 +71,7 @@ def encode(arm: Arm, kind: Kind, q: Floats | None = None) -> SocketMessage:
             f"an {kind} message to arm {arm.name} needs {len(arm.joints)} finite joints"
         )
     text = head + "*" + "*".join(in_degrees(arm, q)) + "*"
-    if len(text) > LONGEST:
+    if len(text) > LONGEST_STRING:
         raise InputError(f"a message of {len(text)} characters does not fit a RAPID string")
     return SocketMessage(arm.name, kind, text, q)
 
@@ -209,8 +209,8 @@ class Commands:
             ProtocolError: not a message of the protocol, out of order, or two at once.
         """
         self._heard += data
-        if len(self._heard) > LONGEST:
-            raise ProtocolError(f"a message is longer than {LONGEST} characters")
+        if len(self._heard) > LONGEST_STRING:
+            raise ProtocolError(f"a message is longer than {LONGEST_STRING} characters")
         try:
             text = self._heard.decode("ascii")
         except UnicodeDecodeError:

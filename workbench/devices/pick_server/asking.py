@@ -18,7 +18,7 @@ from workbench.model.errors import LinkError, ProtocolError
 AGAIN = 1.0
 """[s] A request without an answer is sent again after this time."""
 
-POLL = 0.05
+POLL_EVERY = 0.05
 
 
 class Asker:
@@ -71,7 +71,7 @@ class Asker:
                 answer = self._answer_to(request, self._number)
             except OSError:
                 self.close()
-                time.sleep(POLL)
+                time.sleep(POLL_EVERY)
                 continue
             if answer:
                 return answer
@@ -85,7 +85,7 @@ class Asker:
 
     def _connect(self) -> None:
         self._link = socket.create_connection(self._address, AGAIN)
-        self._link.settimeout(POLL)
+        self._link.settimeout(POLL_EVERY)
         self._lines = LineBuffer(self._form)
         hello = line_bytes(self._form, "0", "hello", self._version, str(self._run))
         answer = self._answer_to(hello, 0)

@@ -11,7 +11,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.plugins.report_checks import JointBounds, bounds_of
 
-NEAR = np.deg2rad(0.5)
+START_TOLERANCE = np.deg2rad(0.5)
 """[rad] A joint may stand this far from where a leg begins or ends."""
 
 NEAR_M = 0.001
@@ -19,7 +19,7 @@ NEAR_M = 0.001
 
 MILLIMETRE_DIGITS = 3
 
-SAME = 1e-5
+READ_BACK_WITHIN = 1e-5
 """[rad, m] What is read back of a line differs by less from what was proven: 0.0006 degrees."""
 
 
@@ -43,7 +43,7 @@ class AxisWords:
             InputError: the digits of the form do not hold it.
         """
         words = self.format(q)
-        if not np.abs(self._read(words) - q).max() <= SAME:
+        if not np.abs(self._read(words) - q).max() <= READ_BACK_WITHIN:
             raise InputError("a line of these digits cannot hold what was proven")
         return words
 
@@ -97,5 +97,5 @@ def axis_words(cell: Cell, form: Form) -> AxisWords:
     arm = cell.arms[0]
     kinds = [cell.robot.joint(name).kind for name in arm.joints]
     slides = tuple(kinds[k] == "prismatic" for k in arm.axis_order)
-    near = np.array([NEAR_M if kind == "prismatic" else NEAR for kind in kinds])
+    near = np.array([NEAR_M if kind == "prismatic" else START_TOLERANCE for kind in kinds])
     return AxisWords(cell, form, slides, near, bounds_of(cell, arm))

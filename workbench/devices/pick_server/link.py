@@ -27,7 +27,7 @@ from workbench.plugins.addresses import is_loopback
 from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import LinkPatience, Running, Simulation, check_approval
 
-POLL = 0.05
+POLL_EVERY = 0.05
 
 SLOWEST = 10.0
 """A leg may take this many times what was planned."""
@@ -95,7 +95,7 @@ class PickServer:
             talk.offer(carrying)
             try:
                 while True:
-                    talk.wait(POLL)
+                    talk.wait(POLL_EVERY)
                     self._show(cell, server, carrying, now, show)
                     while told < len(carrying.receipts):
                         told, progressed = told + 1, clock()
@@ -126,7 +126,7 @@ class PickServer:
             raise JobCancelled(StopText.NOT_SPOKEN())
         how = StopText.NOT_ACKNOWLEDGED()
         while patience.clock() - began < patience.stop:
-            talk.wait(POLL)
+            talk.wait(POLL_EVERY)
             if carrying.is_acknowledged:
                 how = StopText.ACKNOWLEDGED(took=patience.clock() - began)
                 break
@@ -154,7 +154,7 @@ class PickServer:
         with self.server_of(cell) as server:
             talk = server.conversation
             while not cancelled():
-                talk.wait(POLL)
+                talk.wait(POLL_EVERY)
                 reported = talk.reported
                 if last and talk.silence() > ABSENT:
                     raise LinkError(AskText.ABSENT())

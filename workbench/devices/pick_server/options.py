@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import cast
 
 from workbench.devices.pick_server.lines import ENDS, SEPARATORS, End, Form, Separator, Unit
-from workbench.devices.pick_server.program import LONGEST
+from workbench.devices.pick_server.program import LONGEST_SEGMENT
 from workbench.formats.poses.conventions import CONVENTIONS
 from workbench.model.cell import Cell
 from workbench.model.motion import MotionModel
@@ -19,7 +19,7 @@ MOTION = MotionModel(
     takes_share=True,
     takes_loads=True,
     takes_openings=True,
-    longest=LONGEST,
+    longest=LONGEST_SEGMENT,
     maps_axes=True,
 )
 """Paths, and a stop at each waypoint."""

@@ -29,7 +29,7 @@ POSES = ("approach", "grasp", "retreat")
 DIGITS = {"mm]": 2, "deg]": 3}
 """After the point, by unit; others have 6."""
 
-FARTHEST = -9999.99
+FARTHEST_POINT = -9999.99
 """[mm] The longest number of a length; no robot is larger."""
 
 
@@ -120,7 +120,7 @@ def check_pose_lines(cell: Cell) -> None:
         InputError: says how long the longest one is.
     """
     written = convention(pick_options(cell).poses)
-    widest = {"mm]": FARTHEST, "deg]": -179.999, "rad]": -3.141593}
+    widest = {"mm]": FARTHEST_POINT, "deg]": -179.999, "rad]": -3.141593}
     numbers = [
         f"{widest[unit]:.{DIGITS.get(unit, 6)}f}" if unit in widest else "-0.999999"
         for unit in (name.partition("[")[2] for name in written.names)

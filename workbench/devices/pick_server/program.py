@@ -18,7 +18,7 @@ from workbench.model.release import Approval
 
 Hand = Literal["open", "grip", "keep"]
 
-LONGEST = 99.999
+LONGEST_SEGMENT = 99.999
 """[s] From one waypoint to the next."""
 
 LEAST_SPEED = 0.1
@@ -105,7 +105,7 @@ def _leg(
     # Never less than planned, nor than a joint takes at its allowed speed.
     seconds = np.ceil(np.maximum(np.diff(leg.t), least) / share * 1000 - 1e-6) / 1000
     seconds = np.maximum(seconds, 0.001)
-    if seconds.max() > LONGEST:
+    if seconds.max() > LONGEST_SEGMENT:
         raise InputError(f"{seconds.max():.0f} s from one waypoint to the next are too long")
     speeds = (ways / fastest).max(axis=1) / seconds * 100
     blend = f"{cell.zone * 100:.0f}"
@@ -165,6 +165,6 @@ def check_lines(cell: Cell, axes: AxisWords) -> None:
             axes.format_shown(middle - half), axes.format_shown(middle + half), strict=True
         )
     ]
-    answer_bytes(axes.form, LAST, "TO", *longest, "100.0", f"{LONGEST:.3f}", "50")
+    answer_bytes(axes.form, LAST, "TO", *longest, "100.0", f"{LONGEST_SEGMENT:.3f}", "50")
     load = ("99.999", "-999.9", "-999.9", "-999.9")
     answer_bytes(axes.form, LAST, "LEG", "approach", "open", "999.9", "99", "999.999", *load)

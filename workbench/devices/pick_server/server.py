@@ -23,7 +23,7 @@ MOST_BAD = 50
 GREETING = 10.0
 """[s] After which a connection is closed that is not the robot program's."""
 
-POLL = 0.2
+POLL_EVERY = 0.2
 
 LINGER = 3.0
 """[s] A server listens this long after its last use: the next user has the same conversation."""
@@ -51,7 +51,7 @@ class Server:
         except (OSError, OverflowError) as error:
             address = f"{host}:{port}"
             raise LinkError(AskText.NO_ADDRESS(address=address, problem=str(error))) from error
-        self._socket.settimeout(POLL)
+        self._socket.settimeout(POLL_EVERY)
         self._threads = [threading.Thread(target=self._accept, name="pick server", daemon=True)]
         self._threads[0].start()
 
@@ -81,7 +81,7 @@ class Server:
         try:
             with link, suppress(OSError):
                 link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                link.settimeout(POLL)
+                link.settimeout(POLL_EVERY)
                 _answer_all(link, self.conversation, self._form, self._over)
         finally:
             self.conversation.leave(link)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from workbench.devices.rapid.kinematics import Axes
-from workbench.devices.rapid.motion import STEP, Mechanism, pair
+from workbench.devices.rapid.motion import TIME_STEP, Mechanism, pair
 from workbench.devices.rapid.moving import MotionInstructions
 from workbench.devices.rapid.sockets import Device, Network
 from workbench.devices.rapid.sockets import natives as socket_natives
@@ -268,12 +268,12 @@ class RapidController:
         steps = 0
         # A robot's time stands still while its program has something to do: a fast robot must not
         # find its next way missing because this machine was slow.
-        while self._due >= STEP and steps < MOST_STEPS and not self._holds(movers):
-            self._due, steps = self._due - STEP, steps + 1
+        while self._due >= TIME_STEP and steps < MOST_STEPS and not self._holds(movers):
+            self._due, steps = self._due - TIME_STEP, steps + 1
             self.advance()
         self._due = min(self._due, self._speed)
         self._help()
-        if not went_on and self._due < STEP:
+        if not went_on and self._due < TIME_STEP:
             self.network.idle(self._rest())
 
     def _holds(self, movers: Sequence[Task]) -> bool:
@@ -291,7 +291,7 @@ class RapidController:
 
     def advance(self) -> None:
         """One step of the robots' time."""
-        self.time += STEP
+        self.time += TIME_STEP
         wrong = pair(list(self.mechanisms.values()))
         if wrong != self._warned:
             self._warned = wrong
@@ -300,7 +300,7 @@ class RapidController:
             for mechanism in self.mechanisms.values():
                 mechanism.stops.add("emergency")
         for mechanism in self.mechanisms.values():
-            mechanism.advance(STEP)
+            mechanism.advance(TIME_STEP)
 
     def _rest(self) -> float:
         now = self.clock()

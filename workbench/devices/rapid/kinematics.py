@@ -8,7 +8,7 @@ from workbench.model.geometry import Floats
 
 ITERATIONS = 200
 DAMPING = 1e-4
-NEAR = 1e-7
+CONVERGED_WITHIN = 1e-7
 """[m, rad] A pose is reached within this."""
 
 
@@ -58,7 +58,7 @@ class Axes:
         for _ in range(ITERATIONS):
             here = self.flange(axes)
             error = pin.log6(here.actInv(T_world_flange)).vector
-            if np.abs(error).max() < NEAR:
+            if np.abs(error).max() < CONVERGED_WITHIN:
                 return axes
             columns = []
             for k in range(len(axes)):

@@ -25,7 +25,7 @@ from workbench.model.geometry import Floats
 
 log = logging.getLogger(__name__)
 
-STEP = 0.004
+TIME_STEP = 0.004
 """[s] Of the robot's time."""
 
 PREFETCH = 0.1
@@ -118,9 +118,9 @@ class Mechanism:
 
     def join(self, before: JointWay, zone: float) -> None:
         """Round the corner after a way, or stop in it where the zone is too short."""
-        if before.share and zone < STEP:
+        if before.share and zone < TIME_STEP:
             log.warning("%s: %s", self.name, CORNER_PATH)
-        before.ends = zone if zone >= STEP else 0.0
+        before.ends = zone if zone >= TIME_STEP else 0.0
         before.share = before.ends / before.seconds
 
     def _is_late(self, way: JointWay) -> bool:

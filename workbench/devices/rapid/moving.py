@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.devices.rapid.kinematics import Axes
-from workbench.devices.rapid.motion import STEP, JointWay, Mechanism
+from workbench.devices.rapid.motion import TIME_STEP, JointWay, Mechanism
 from workbench.devices.rapid.tasks import Task
 from workbench.formats.rapid.problems import RapidError, RapidStop
 from workbench.formats.rapid.values import single
@@ -191,7 +191,7 @@ class MotionInstructions:
         length = float(np.linalg.norm(b - a)) * 1000
         turn = float(np.rad2deg(np.linalg.norm(pin.log3(begin.rotation.T @ end.rotation))))
         least = float((np.abs(np.diff(path, axis=0)).max(axis=0) / axes.velocity).max())
-        least = max(least * (len(path) - 1), STEP)
+        least = max(least * (len(path) - 1), TIME_STEP)
         if seconds is None:
             seconds = max(length / speed[0], turn / speed[1])
         is_stop, size = zone[0], zone[1]

@@ -14,8 +14,8 @@ from workbench.plugins.options import NoOptions
 from workbench.plugins.progress import Cancelled, Report
 from workbench.plugins.scanner import ScanRequest
 
-KINDS = frozenset({".ply", ".pcd"})
-STILL = 0.3
+FILE_ENDINGS = frozenset({".ply", ".pcd"})
+COMPLETE_AFTER = 0.3
 """[s] A file that has not grown for that long is complete."""
 
 GLANCE = 0.1
@@ -56,10 +56,10 @@ class FolderScanner:
                 known, since = seen.get(path, (None, 0.0))
                 if known != stamp:
                     seen[path] = (stamp, time.monotonic())
-                elif time.monotonic() - since >= STILL and path in unsettled:
+                elif time.monotonic() - since >= COMPLETE_AFTER and path in unsettled:
                     unsettled.discard(path)
                     before[path] = stamp
-                elif time.monotonic() - since >= STILL and stamp[1] > 0:
+                elif time.monotonic() - since >= COMPLETE_AFTER and stamp[1] > 0:
                     return read_scan(path, self._mount)
             time.sleep(GLANCE)
         raise LinkError(
@@ -68,7 +68,7 @@ class FolderScanner:
 
     def _files(self) -> dict[Path, Stamp]:
         try:
-            return stamps(self._folder, KINDS)
+            return stamps(self._folder, FILE_ENDINGS)
         except OSError as error:
             raise LinkError(
                 ScannerText.PROBLEM(name=str(self._folder), problem=error.strerror or str(error))

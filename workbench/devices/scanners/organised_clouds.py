@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from workbench.formats.clouds.scans import BESIDE, FEW
+from workbench.formats.clouds.scans import FEW, RANGE_FACTOR
 from workbench.model.cell import ScannerMount
 from workbench.model.errors import LinkError
 from workbench.model.geometry import Floats
@@ -31,7 +31,7 @@ def scan_of(points: Floats, mount: ScannerMount, source: str, doubt: Message) ->
     flat = flat[measured]
     away = np.linalg.norm(flat, axis=1)
     nearest, farthest = (float(value) for value in np.quantile(away, (FEW, 1 - FEW)))
-    if nearest > mount.far * BESIDE or farthest < mount.near / BESIDE:
+    if nearest > mount.far * RANGE_FACTOR or farthest < mount.near / RANGE_FACTOR:
         raise LinkError(
             ScannerText.OUT_OF_RANGE(
                 image=source,

@@ -11,7 +11,7 @@ So a radius is taken so small that every place at a share of more than zone / 2 
 outside of it; a way that stays in the triangle of where the blend begins, the corner, and where it
 ends is proven then.  Speeds are such that a cubic with the velocities of both moves stays in it,
 and one of fifth degree too: both sides take equally long, within `UNEVEN`.  Where such a radius
-would be less than `LEAST`, or the arm were too suddenly turned, it stops as it does without.
+would be less than `LEAST_RADIUS`, or the arm were too suddenly turned, it stops as it does without.
 
 That a blend stays in that triangle is our assumption, not the maker's word: the e-Series user
 manual says that blends from joint moves to joint moves are the smoothest in joint space with regard
@@ -27,7 +27,7 @@ import numpy as np
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.urscript import Line
 from workbench.devices.universal_robots.ways import (
-    SAMPLES,
+    SAMPLES_A_MOVE,
     Segment,
     UrWay,
     samples_of,
@@ -35,10 +35,10 @@ from workbench.devices.universal_robots.ways import (
 )
 from workbench.model.geometry import Floats
 
-LEAST = 0.001
+LEAST_RADIUS = 0.001
 """[m] A smaller radius is none."""
 
-APART = 0.49
+LARGEST_SHARE = 0.49
 """Share of the distance between two waypoints that a radius may have: blends must not overlap."""
 
 UNEVEN = 1.5
@@ -118,15 +118,17 @@ def _corners(
     found: dict[int, Corner] = {}
     ways = [samples_of(a, step, flange.at) for a, step in zip(q[:-1], steps, strict=True)]
     # A place between two samples is no farther from the nearer one than this.
-    slack = flange.lever * np.abs(steps).sum(axis=1) / (2 * SAMPLES)
-    outside = math.floor(SAMPLES * zone / 2)
+    slack = flange.lever * np.abs(steps).sum(axis=1) / (2 * SAMPLES_A_MOVE)
+    outside = math.floor(SAMPLES_A_MOVE * zone / 2)
     for k in range(len(steps) - 1):
         before, after, corner = ways[k], ways[k + 1], ways[k][-1]
-        into = np.linalg.norm(before[: SAMPLES + 1 - outside] - corner, axis=1).min() - slack[k]
+        into = (
+            np.linalg.norm(before[: SAMPLES_A_MOVE + 1 - outside] - corner, axis=1).min() - slack[k]
+        )
         out = np.linalg.norm(after[outside:] - corner, axis=1).min() - slack[k + 1]
         gaps = [float(np.linalg.norm(way[-1] - way[0])) for way in (before, after)]
-        r = math.floor(min(most, into, out, *(APART * gap for gap in gaps)) * 1e4) / 1e4
-        if r < LEAST:
+        r = math.floor(min(most, into, out, *(LARGEST_SHARE * gap for gap in gaps)) * 1e4) / 1e4
+        if r < LEAST_RADIUS:
             continue
         first, second = (Segment(q[n], steps[n], 1.0, 1.0) for n in (k, k + 1))
         if shares := shares_within(first, second, r, flange.at):

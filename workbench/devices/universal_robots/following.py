@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.devices.universal_robots.urscript import Line
 
-STEP = 0.002
+CONTROLLER_CYCLE = 0.002
 """[s] Of the controller."""
 
 
@@ -22,16 +22,16 @@ class Following:
         q, speed = np.array(start, dtype=np.float64), np.zeros(len(start))
         passed = [q]
         for line in lines:
-            for _ in range(max(round(line.t / STEP), 1)):
-                speed = speed + STEP * line.gain * (line.q - q - line.lookahead * speed)
-                q = q + STEP * speed
+            for _ in range(max(round(line.t / CONTROLLER_CYCLE), 1)):
+                speed = speed + CONTROLLER_CYCLE * line.gain * (line.q - q - line.lookahead * speed)
+                q = q + CONTROLLER_CYCLE * speed
                 passed.append(q)
         self._passed = np.array(passed)
-        self.seconds: float = (len(passed) - 1) * STEP
+        self.seconds: float = (len(passed) - 1) * CONTROLLER_CYCLE
 
     def at(self, t: float) -> tuple[float, ...]:
         """The axes (6,) [rad] after `t` [s]."""
-        step = min(max(t, 0.0) / STEP, len(self._passed) - 1.0)
+        step = min(max(t, 0.0) / CONTROLLER_CYCLE, len(self._passed) - 1.0)
         k = min(int(step), len(self._passed) - 2)
         along = step - k
         return tuple(((1 - along) * self._passed[k] + along * self._passed[k + 1]).tolist())

@@ -21,7 +21,7 @@ from workbench.plugins.options import option, options_of
 from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import USUAL, LinkPatience, Running, Simulation, check_approval
 
-POLL = 0.1
+POLL_EVERY = 0.1
 """[s] Between two looks whether to end."""
 
 
@@ -110,7 +110,7 @@ class UrRtde:
         with Client(cell.controller.host, (RTDE_PORT,), sends=False) as client:
             while not cancelled():
                 # The library goes on telling the last that it heard when a cable is cut.
-                news = states.take(client.hear(POLL), in_motion=False)
+                news = states.take(client.hear(POLL_EVERY), in_motion=False)
                 if news is None:
                     if time.monotonic() - fresh > silence:
                         raise LinkError(DeviceText.NOTHING_NEW(seconds=silence))

@@ -29,7 +29,7 @@ from workbench.model.release import Approval
 DIGITS = 6
 """Decimals of angles, speeds and accelerations [rad]."""
 
-STILL = 1e-9
+SHORTEST_WAY = 1e-9
 """[rad] A shorter way is none."""
 
 STANDING = 4.0
@@ -185,14 +185,14 @@ def _moves(arm: Arm, leg: Leg, velocity: Floats, points: PointSpeeds | None) -> 
     for before, after, seconds in zip(leg.q[:-1], leg.q[1:], np.diff(leg.t), strict=True):
         way = np.abs(after - before)
         far = float(way.max())
-        if far < STILL:
+        if far < SHORTEST_WAY:
             continue
         share = way / far
-        moving = share > STILL
+        moving = share > SHORTEST_WAY
         v = float((velocity[moving] / share[moving]).min())
         a = float((arm.acceleration[moving] / share[moving]).min())
         if points is not None:
-            v = min(v, far / max(points.share_along(before, after), STILL))
+            v = min(v, far / max(points.share_along(before, after), SHORTEST_WAY))
         # No faster than the plan was timed: half the speed and a quarter of `a` take twice as long.
         slower = min(seconds_of(far, v, a) / seconds, 1.0)
         axes = tuple(round(float(value), DIGITS) + 0.0 for value in arm.to_axes(after))

@@ -39,7 +39,7 @@ REFUSED = TICKETS - 1
 BEGUN = (13, 14, 15, 16)
 """Output registers with the tickets of the programs that have begun last, the newest first."""
 
-LONGEST = 4096
+LONGEST_PACKET = 4096
 """[bytes] A longer packet is none of ours."""
 
 FORMATS: Mapping[str, str] = {

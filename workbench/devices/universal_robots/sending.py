@@ -20,18 +20,18 @@ from workbench.model.release import LinkStatus, Receipt
 from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import LinkPatience
 
-NEAR = np.deg2rad(0.2)
+START_TOLERANCE = np.deg2rad(0.2)
 """[rad] A joint may stand this far from where the plan begins, or ends."""
 
-OFF = np.deg2rad(0.5)
+FOLLOWING_TOLERANCE = np.deg2rad(0.5)
 """[rad] A joint may be this far from the way of its references, where they are streamed."""
 
-POLL = 0.05
+POLL_EVERY = 0.05
 
-LEAST = 0.3
+LEAST_TIME = 0.3
 """[share] Of the time that was planned, a leg takes at least as long by the controller's clock."""
 
-STILL = 1e-3
+STANDS_WITHIN = 1e-3
 """[rad] Between two reports; a joint that moved by less stands."""
 
 
@@ -137,14 +137,14 @@ class RtdeSending:
         if done < self._leg:
             raise ProtocolError(f"the controller is in leg {done} after {self._where}")
         for before in range(done):
-            least = LEAST * sum(seconds[before : done - 1])
+            least = LEAST_TIME * sum(seconds[before : done - 1])
             if at - self._until[before] < least:
                 later = at - self._until[before]
                 where = f"in leg {done}" if done <= total else "at the end"
                 since = f"leg {before}" if before else "the beginning"
                 raise ProtocolError(
                     f"the controller is {where} {later:.2f} s after {since}: "
-                    f"what is between takes {least / LEAST:.2f} s"
+                    f"what is between takes {least / LEAST_TIME:.2f} s"
                 )
         for number in range(done, total + 1):
             self._until[number] = at
@@ -155,7 +155,7 @@ class RtdeSending:
         while self._patience.clock() < until:
             if cancelled():
                 raise JobCancelled(StopText.NOT_SPOKEN())
-            message = self._client.hear(POLL)
+            message = self._client.hear(POLL_EVERY)
             if message is not None and message.get("remote") is False:
                 raise LinkError(DeviceText.LOCAL_CONTROL())
             state = self._states.take(message)
@@ -178,7 +178,7 @@ class RtdeSending:
 
     def _check_stands(self, state: UrState, q: Floats, where: Message) -> None:
         off = np.abs(state.q - q)
-        if not off.max() <= NEAR:
+        if not off.max() <= START_TOLERANCE:
             joint = self._arm.joints[int(off.argmax())]
             raise LinkError(DeviceText.OFF_TARGET(joint=joint, off=float(off.max()), where=where))
 
@@ -187,7 +187,7 @@ class RtdeSending:
         if not self._program.references:
             return
         off = off_the_references(state.q, self._program.references[max(self._leg - 1, 0)])
-        if not off.max() <= OFF:
+        if not off.max() <= FOLLOWING_TOLERANCE:
             joint = self._arm.joints[int(off.argmax())]
             raise LinkError(
                 DeviceText.NOT_FOLLOWING(name=joint, off=float(off.max()), where=self._where)
@@ -196,7 +196,7 @@ class RtdeSending:
     def _hear(self) -> UrState | None:
         """A state that is news; we say that we are there as often as we look."""
         began = self._patience.clock()
-        message = self._client.hear(POLL)
+        message = self._client.hear(POLL_EVERY)
         if message is not None and message.get("sent") is False:
             raise LinkError(DeviceText.NOT_TAKEN())
         state = self._states.take(message)
@@ -221,7 +221,7 @@ class RtdeSending:
         try:
             self._client.say(stop=True)
             while clock() - began < self._patience.stop:
-                message = self._client.hear(POLL)
+                message = self._client.hear(POLL_EVERY)
                 is_heard = is_heard or (message is not None and "stopping" in message)
                 state = self._states.take(message)
                 if state is None or not is_heard:
@@ -253,4 +253,4 @@ class RtdeSending:
 
 
 def _is_still(before: UrState, after: UrState) -> bool:
-    return bool(np.abs(after.q - before.q).max() < STILL)
+    return bool(np.abs(after.q - before.q).max() < STANDS_WITHIN)

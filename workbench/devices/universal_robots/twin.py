@@ -29,7 +29,7 @@ NORMAL, PROTECTIVE = 1 << 0, 1 << 2
 TICK = 0.01
 """[s] Between two positions of the arm."""
 
-POLL = 0.05
+POLL_EVERY = 0.05
 
 LONGEST_PROGRAM = 1 << 22
 """[bytes] Who says more before an end is not listened to."""
@@ -95,7 +95,7 @@ class SimulatedUr:
                 reason = error.strerror or error
                 address = f"{simulation.host}:{port}"
                 raise InputError(f"{address} cannot be listened on: {reason}") from None
-            listener.settimeout(POLL)
+            listener.settimeout(POLL_EVERY)
             self._listening.append((listener, serve))
         self.port: int = self._listening[0][0].getsockname()[1]
         self.state_port: int = rtde.RTDE_PORT
@@ -131,7 +131,7 @@ class SimulatedUr:
         ]
         for thread in threads:
             thread.start()
-        while not self._over.wait(POLL):
+        while not self._over.wait(POLL_EVERY):
             with self._lock:
                 is_silent = time.monotonic() - self._alive_at > self._watchdog
                 if self._runtime == rtde.PLAYING and self._watchdog and is_silent:
@@ -160,7 +160,7 @@ class SimulatedUr:
                 client, _ = listener.accept()
             except TimeoutError:
                 continue
-            client.settimeout(POLL)
+            client.settimeout(POLL_EVERY)
             clients = [thread for thread in clients if thread.is_alive()]
             clients.append(threading.Thread(target=self._serve, args=(client, serve), daemon=True))
             clients[-1].start()
@@ -223,7 +223,7 @@ class SimulatedUr:
         self._ended.set()
         if self._program is not None:
             self._program.join()
-        while was_playing and "brakes" in self._faults and not self._over.wait(POLL):
+        while was_playing and "brakes" in self._faults and not self._over.wait(POLL_EVERY):
             pass
         with self._lock:
             self._runtime = rtde.STOPPED
@@ -337,7 +337,7 @@ class SimulatedUr:
     def _dashboard(self, client: socket.socket) -> None:
         client.sendall(b"Connected: Universal Robots Dashboard Server\n")
         heard = b""
-        while (data := self._receive(client, rtde.LONGEST)) is not None:
+        while (data := self._receive(client, rtde.LONGEST_PACKET)) is not None:
             *lines, heard = (heard + data).split(b"\n")
             for line in lines:
                 client.sendall(self._answer(line.decode("ascii", "replace").strip()) + b"\n")

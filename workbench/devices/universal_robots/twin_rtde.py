@@ -11,7 +11,7 @@ from workbench.devices.universal_robots import rtde
 SHORTEST = 0.01
 """[s] Between two states: no client is told more."""
 
-POLL = 0.05
+POLL_EVERY = 0.05
 
 Heard = Callable[[socket.socket, int], bytes | None]
 """What a client says, so many bytes at most; nothing within a moment is empty, None is its end."""
@@ -44,14 +44,16 @@ class RtdePort:
                 due = time.monotonic() + period
                 data = b"\x01" + rtde.pack_values(outputs, self._state())
                 client.sendall(rtde.packet(rtde.DATA, data))
-            client.settimeout(max(min(due - time.monotonic(), POLL), 1e-3) if is_started else POLL)
-            data = self._heard(client, rtde.LONGEST)
+            client.settimeout(
+                max(min(due - time.monotonic(), POLL_EVERY), 1e-3) if is_started else POLL_EVERY
+            )
+            data = self._heard(client, rtde.LONGEST_PACKET)
             if data is None:
                 return
             heard += data
             while len(heard) >= rtde.HEADER.size:
                 size, kind = rtde.HEADER.unpack_from(heard)
-                if not rtde.HEADER.size <= size <= rtde.LONGEST:
+                if not rtde.HEADER.size <= size <= rtde.LONGEST_PACKET:
                     return
                 if len(heard) < size:
                     break

@@ -18,7 +18,7 @@ from workbench.model.geometry import Floats
 Positions = Callable[[Floats], Floats]
 """Where the flange is (k, 3) [m] at axes (k, 6) [rad]."""
 
-SAMPLES = 200
+SAMPLES_A_MOVE = 200
 """Of each move, to see where it comes within a radius."""
 
 
@@ -94,8 +94,8 @@ def without_overlaps(
 
 
 def samples_of(start: Floats, step: Floats, positions: Positions) -> Floats:
-    """Where the flange is along a move, `SAMPLES` + 1 times, (k, 3) [m]."""
-    shares = np.linspace(0.0, 1.0, SAMPLES + 1)[:, None]
+    """Where the flange is along a move, `SAMPLES_A_MOVE` + 1 times, (k, 3) [m]."""
+    shares = np.linspace(0.0, 1.0, SAMPLES_A_MOVE + 1)[:, None]
     return positions(start + shares * step)
 
 
@@ -131,10 +131,10 @@ def shares_within(
     out = samples_of(after.start, after.step, positions)
     is_in = np.linalg.norm(into - into[-1], axis=1) < r
     is_out = np.linalg.norm(out - out[0], axis=1) < r
-    first, last = int(is_in.argmax()), int(SAMPLES - is_out[::-1].argmax())
-    if not (0 < first < SAMPLES and 0 < last < SAMPLES):
+    first, last = int(is_in.argmax()), int(SAMPLES_A_MOVE - is_out[::-1].argmax())
+    if not (0 < first < SAMPLES_A_MOVE and 0 < last < SAMPLES_A_MOVE):
         return None
-    return 1.0 - first / SAMPLES, last / SAMPLES
+    return 1.0 - first / SAMPLES_A_MOVE, last / SAMPLES_A_MOVE
 
 
 def _pieces(segments: Sequence[Segment]) -> list[Piece]:

@@ -10,12 +10,12 @@ from workbench.extras.bop.results import read_results, write_results
 from workbench.extras.bop.searching import DataSet, figures_of
 from workbench.formats.cells.reading import read_cell
 
-MOST = 1_000_000
+HIGHEST_COUNT = 1_000_000
 
 
 def study_bop(typed: StudyBop) -> int:
     """Search or read, and measure."""
-    check_whole("--images", typed.images, 0, MOST)
+    check_whole("--images", typed.images, 0, HIGHEST_COUNT)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     cell = read_cell(typed.cell)
     data = DataSet.read(typed.folder, typed.split, typed.models, typed.sensor, typed.images)

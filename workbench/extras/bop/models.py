@@ -15,7 +15,7 @@ from workbench.model.symmetry import turn_about
 
 LARGEST_FILE = 64 * MB
 
-STEP = 0.01
+SYMMETRY_STEP = 0.01
 """Arc over the diameter between the turns that stand for any angle (`max_sym_disc_step`)."""
 
 SAME_SIZE = 0.1
@@ -103,7 +103,7 @@ def _motions(table: Table) -> Floats:
         length = float(np.linalg.norm(direction))
         if not length > 0:
             raise axis.error("axis", "has no direction")
-        count = int(np.ceil(np.pi / STEP))
+        count = int(np.ceil(np.pi / SYMMETRY_STEP))
         for angle in np.arange(count) * 2 * np.pi / count:
             M = np.eye(4)
             M[:3, :3] = turn_about(direction / length, float(angle))

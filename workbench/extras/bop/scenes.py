@@ -19,7 +19,7 @@ from workbench.model.geometry import Floats, copy_pose, frozen, pose_from_matrix
 TARGETS = ("test_targets_bop24.json", "test_targets_bop19.json")
 """The first of these that is there says which images of the split `test` count."""
 
-KINDS = (".png", ".tif")
+IMAGE_ENDINGS = (".png", ".tif")
 """Of depth images."""
 
 MOST_PIXELS = 50_000_000
@@ -27,7 +27,7 @@ MOST_PIXELS = 50_000_000
 OTHER_UNIT = 4.0
 """A depth image whose median is this many times as far as the true poses is in another unit."""
 
-FARTHEST = 20.0
+FARTHEST_PART = 20.0
 """[m] A part further away than this was given in other units."""
 
 
@@ -122,7 +122,7 @@ def depth_width(image: BopImage) -> int:
 def _open(image: BopImage) -> Generator[Any]:
     from PIL import Image
 
-    path = next((p for p in map(image.depth.with_suffix, KINDS) if is_file(p)), None)
+    path = next((p for p in map(image.depth.with_suffix, IMAGE_ENDINGS) if is_file(p)), None)
     if path is None:
         raise FileError(image.depth, "there is no such depth image, as PNG or TIFF")
     try:
@@ -208,6 +208,6 @@ def _true_pose(table: Table) -> TruePose:
     except InputError as error:
         raise table.error("cam_R_m2c", str(error)) from None
     away = float(np.linalg.norm(t))
-    if away > FARTHEST:
+    if away > FARTHEST_PART:
         raise table.error("cam_t_m2c", f"is {away:.4g} m away; it has to be in millimetres")
     return TruePose(table.whole("obj_id", low=0, high=10**9), T, 1.0)

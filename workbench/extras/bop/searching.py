@@ -26,7 +26,7 @@ from workbench.studies.bop.precision import Estimate, Judged, detection_figures
 TRIES = 300
 """Planes through three points that are compared to find what things lie on."""
 
-ENOUGH = 20_000
+MOST_POINTS = 20_000
 """Points by which they are compared."""
 
 GATE = 0.002
@@ -186,7 +186,7 @@ def place_of(points: Floats, seed: int) -> Bin:
         points: (n, 3) [m] in the camera's frame, all before it.
         seed: of the planes that are compared.
     """
-    some = points[:: -(-len(points) // ENOUGH)]
+    some = points[:: -(-len(points) // MOST_POINTS)]
     generator = np.random.default_rng(seed)
     best, normal, offset = -np.inf, np.array([0.0, 0.0, -1.0]), float(some[:, 2].max())
     for _ in range(TRIES):

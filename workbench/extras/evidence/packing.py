@@ -8,7 +8,7 @@ import json
 from collections.abc import Iterator
 from typing import IO, Any
 
-from workbench.formats.files.zip_frame import STEP, STORED, Member, blocks_of, members_of
+from workbench.formats.files.zip_frame import CHUNK_BYTES, STORED, Member, blocks_of, members_of
 
 FORMAT = "workbench-evidence/1"
 MANIFEST, SIGNATURE = "manifest.json", "manifest.sig"
@@ -61,7 +61,7 @@ def packing_problems(bundle: PackedFiles, manifest: dict[str, Any]) -> Iterator[
     end = [bundle.members[name] for name in (MANIFEST, SIGNATURE) if name in bundle.members]
     whole, left = hashlib.sha256(), end[0].start - 30 - len(MANIFEST)
     bundle.file.seek(0)
-    while left and (block := bundle.file.read(min(left, STEP))):
+    while left and (block := bundle.file.read(min(left, CHUNK_BYTES))):
         whole.update(block)
         left -= len(block)
     if whole.hexdigest() != manifest["packed"] or any(member.method != STORED for member in end):

@@ -12,7 +12,7 @@ LATE = 1.5
 """[ms] Times are whole milliseconds on the wire."""
 
 
-STARTS = {"Opened", "Started"}
+START_ENTRIES = {"Opened", "Started"}
 """Kinds of entries after which no approval counts that was given before."""
 
 
@@ -24,7 +24,7 @@ def approval_problems(entries: Iterable[tuple[int, str, Any]]) -> Iterator[str]:
     """
     given = sent = None
     for number, kind, said in entries:
-        if kind in STARTS:
+        if kind in START_ENTRIES:
             given = sent = None
         elif kind == "Approve":
             given = said.get("approval")

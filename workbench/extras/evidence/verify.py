@@ -38,7 +38,7 @@ from workbench.journal.anchors import anchor_problems, anchors_from
 
 JOURNAL, FILES = "session/journal.sqlite", "session/files"
 
-FIRST = "0" * 64
+FIRST_HASH = "0" * 64
 SIGNED_BY = re.compile(rb"([0-9a-f]{64})\n([0-9a-f]{128})\n")
 """Public key and signature; nothing else may stand beside them, since nothing signs that file."""
 
@@ -121,7 +121,7 @@ def chain_problems(entries: list[JournalEntry]) -> Iterator[str]:
     """Where the chain does not hold, or entries contradict one another."""
     if not entries:
         yield "the journal has no entry"
-    expected, previous = 1, FIRST
+    expected, previous = 1, FIRST_HASH
     for entry in entries:
         if entry.number != expected:
             yield f"entry {entry.number} stands where entry {expected} should"
@@ -194,7 +194,7 @@ def journal_problems(
 ) -> Iterator[str]:
     """Where journal, manifest and what was made from the journal do not agree."""
     yield from chain_problems(entries)
-    head = entries[-1].hash if entries else FIRST
+    head = entries[-1].hash if entries else FIRST_HASH
     if (manifest.get("entries"), manifest.get("head")) != (len(entries), head):
         yield "the journal does not end where the manifest says"
     for entry in entries:

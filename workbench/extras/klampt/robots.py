@@ -27,7 +27,7 @@ from workbench.model.robot import Joint, JointKind, Link, Robot
 
 LARGEST_FILE = 10 * MB
 MOST_LINKS = 1000
-DEEPEST = 8
+MOST_LEVELS = 8
 """Sub-robots within sub-robots."""
 
 USUAL_SPEED = math.pi
@@ -52,8 +52,8 @@ def read_rob(path: Path, *, depth: int = 0) -> Robot:
             missing, parents go round in a circle.
     """
     words = _words(path)
-    if depth > DEEPEST:
-        raise FileError(path, f"is mounted more than {DEEPEST} robots deep")
+    if depth > MOST_LEVELS:
+        raise FileError(path, f"is mounted more than {MOST_LEVELS} robots deep")
     given = _numbers(path, words, "parents", None)
     parents = [round(value) for value in np.clip(given, -2, MOST_LINKS).tolist()]
     count = len(parents)

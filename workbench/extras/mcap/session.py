@@ -26,7 +26,7 @@ from workbench.model.plan import Plan
 from workbench.planning.collision.legs import stretches
 from workbench.planning.kinematics.robot import Kinematics
 
-STEP = 0.05
+STATE_EVERY = 0.05
 """[s] between two states of a motion; waypoints are added."""
 
 
@@ -141,7 +141,9 @@ def _play(cell: Cell, plan: Plan) -> Iterator[tuple[float, dict[str, float]]]:
     for stretch in stretches(plan):
         seconds = max(leg.seconds for _, leg in stretch.runs)
         waypoints = [leg.t for _, leg in stretch.runs]
-        for t in np.unique(np.concatenate([np.arange(0.0, seconds, STEP), *waypoints])).tolist():
+        for t in np.unique(
+            np.concatenate([np.arange(0.0, seconds, STATE_EVERY), *waypoints])
+        ).tolist():
             q |= {arm.arm: leg.at(t) for arm, leg in stretch.runs}
             yield start + t, cell.joint_values(q)
         start += seconds

@@ -43,7 +43,7 @@ FUNCTIONS = (3, 6, 16, 23)
 HEADER = struct.Struct(">HHHB")
 """Transaction, protocol, length of what follows, unit (MODBUS Messaging on TCP/IP, 3.1.3)."""
 
-LONGEST = 254
+LONGEST_FRAME = 254
 """Of this length."""
 
 STARTING = 60.0
@@ -190,7 +190,7 @@ class ModbusServer:
         async with asyncio.timeout(SILENCE):
             header = await reader.readexactly(HEADER.size)
         transaction, protocol, length, unit = HEADER.unpack(header)
-        if protocol or not 2 <= length <= LONGEST:
+        if protocol or not 2 <= length <= LONGEST_FRAME:
             log.warning("cut off a connection over Modbus: what it sends is no Modbus")
             return False
         async with asyncio.timeout(FRAME):

@@ -18,7 +18,7 @@ from workbench.app.core.people import Person
 from workbench.extras.opcua.bounds import CALLER
 from workbench.extras.opcua.certificates import problem
 from workbench.plugins.addresses import is_loopback
-from workbench.web.access.lockout import MOST, WHILE, LockedOut, Lockout
+from workbench.web.access.lockout import MOST_FAILURES, WHILE, LockedOut, Lockout
 from workbench.web.access.users import Users
 
 log = logging.getLogger(__name__)
@@ -72,7 +72,7 @@ class Door(UserManager):
     def __init__(self, options: OpcUaOptions, now: Callable[[], float] = time.monotonic):
         """A door by these options; `now` tells [s] and does not jump."""
         self._options, self._now = options, now
-        self._failed: deque[float] = deque(maxlen=MOST)
+        self._failed: deque[float] = deque(maxlen=MOST_FAILURES)
 
     def problem(self, certificate: bytes | None) -> str:
         """Why no channel is opened for a certificate; "" when one is."""
@@ -139,13 +139,13 @@ class Door(UserManager):
         if not (username and password):
             # Programs that look around come like this: it is no try.
             return None
-        if len(self._failed) == MOST and self._now() - self._failed[0] < WHILE:
+        if len(self._failed) == MOST_FAILURES and self._now() - self._failed[0] < WHILE:
             return None
         is_right = hmac.compare_digest(password.encode(), wanted.encode())
         if username == operator.name and is_right:
             return operator
         self._failed.append(self._now())
         log.warning("refused a login over OPC UA as %r", username)
-        if len(self._failed) == MOST and self._now() - self._failed[0] < WHILE:
+        if len(self._failed) == MOST_FAILURES and self._now() - self._failed[0] < WHILE:
             log.warning("for %g s nobody logs in over OPC UA: too many wrong passwords", WHILE)
         return None

@@ -25,13 +25,13 @@ log = logging.getLogger(__name__)
 
 CERTIFICATE, KEY, TRUSTED, REJECTED = "server.der", "server_key.pem", "trusted", "rejected"
 
-KINDS = frozenset((".der", ".pem", ".crt", ".cer"))
+FILE_ENDINGS = frozenset((".der", ".pem", ".crt", ".cer"))
 
 BITS = 3072
 """Of the server's RSA key; the policies take 2048 to 4096 (OPC 10000-7)."""
 
 LEAST_BITS = 2048
-LONGEST = 16 * 1024
+LONGEST_CERTIFICATE = 16 * 1024
 """Bytes of a certificate."""
 
 MOST_TRUSTED = 500
@@ -112,7 +112,7 @@ def read_certificate(path: Path) -> x509.Certificate:
     Raises:
         FileError: it cannot be read, or is none.
     """
-    content = read_whole(path, LONGEST)
+    content = read_whole(path, LONGEST_CERTIFICATE)
     try:
         if b"-----BEGIN" in content:
             return x509.load_pem_x509_certificate(content)
@@ -158,7 +158,7 @@ def trust(folder: Path, path: Path) -> x509.Certificate:
 def read_certificates(folder: Path) -> Iterator[tuple[Path, x509.Certificate]]:
     """The certificates in a folder, by the names of their files; what is none is passed over."""
     try:
-        there = (path for path in folder.iterdir() if path.suffix.lower() in KINDS)
+        there = (path for path in folder.iterdir() if path.suffix.lower() in FILE_ENDINGS)
         paths = sorted(path for path in there if path.name != KEY)
     except OSError:
         return
@@ -174,7 +174,7 @@ def problem(folder: Path, der: bytes | None) -> str:
 
     The folder is read each time: whom an engineer trusts comes in without a restart.
     """
-    if not der or len(der) > LONGEST:
+    if not der or len(der) > LONGEST_CERTIFICATE:
         return "it shows no certificate"
     try:
         certificate = x509.load_der_x509_certificate(der)

@@ -18,14 +18,14 @@ from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.views.surfaces import triangles_of
 from workbench.studies.localization import BUILDS
 
-DISTANCE, NEAR, FAR = 0.6, 0.3, 0.9
+DISTANCE, NEAR_RANGE, FAR_RANGE = 0.6, 0.3, 0.9
 """[m] From the scanner to the part's middle, and its range."""
 
 WAYS = {"turntable": (40.0,), "held": (45.0, -45.0, 0.0)}
 """[deg] How high the scanner is as seen from the part, view by view: over a turntable's plate, or
 on all sides of a part that is held, of which nothing that holds it is simulated."""
 
-AROUND = 0.01
+REGION_SLACK = 0.01
 """[m] The region is so much larger than the part, except for the plate."""
 
 POINTS = 20_000
@@ -68,9 +68,9 @@ def made_model(part: Part, task: ModelTask) -> MadeModel:
     """
     true = triangles_of(part.mesh)
     low, high = (np.array(corner) for corner in true.bounds)
-    bounds = Bounds(low - AROUND, high + AROUND)
+    bounds = Bounds(low - REGION_SLACK, high + REGION_SLACK)
     if task.way == "turntable":
-        bounds = Bounds(np.array([*(low - AROUND)[:2], low[2]]), high + AROUND)
+        bounds = Bounds(np.array([*(low - REGION_SLACK)[:2], low[2]]), high + REGION_SLACK)
     scans = _scans(part, task, low, high)
     made = reconstruct(scans, bounds)
     model = triangles_of(made.mesh)
@@ -107,8 +107,8 @@ def _scans(part: Part, task: ModelTask, low: Floats, high: Floats) -> tuple[Scan
             cell.scanner,
             T_world_scanner=T_part_scanner,
             depth_noise=build.deviation or cell.scanner.depth_noise,
-            near=NEAR,
-            far=FAR,
+            near=NEAR_RANGE,
+            far=FAR_RANGE,
         )
         seen = replace(cell, parts=(part,), bin=plate, fixtures=(), scanner=mount)
         there = [Detection(part.name, pin.SE3.Identity(), 1.0)]

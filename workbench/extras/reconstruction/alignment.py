@@ -17,19 +17,19 @@ from workbench.model.geometry import Floats, shift_and_turn
 SHIFT, TURN = 0.0003, float(np.deg2rad(0.15))
 """[m], [rad] Deviations that given poses are taken to have, along and about each axis."""
 
-FARTHEST, MOST_TURNED = 0.002, float(np.deg2rad(1.0))
+MOST_MOVED, MOST_TURNED = 0.002, float(np.deg2rad(1.0))
 """[m], [rad] A pose that would go further stays as it was given."""
 
-OFF = 0.0003
+POINT_DEVIATION = 0.0003
 """[m] Deviation of a point from the surface that other views show."""
 
 WORTH = 200.0
 """This many points of a view are taken to err independently: neighbours share their errors."""
 
-REACH = 0.002
+SAME_PLACE_WITHIN = 0.002
 """[m] What is further from each other is not the same place."""
 
-ALIKE = 0.8
+ALIKE_NORMALS = 0.8
 """Cosine between the normals of what is the same place."""
 
 SWEEPS = 6
@@ -54,7 +54,7 @@ class Aligned:
 
 
 def aligned(views: Sequence[DepthView]) -> Aligned:
-    """Fit each view to the others in turn, no further than `FARTHEST` and `MOST_TURNED`.
+    """Fit each view to the others in turn, no further than `MOST_MOVED` and `MOST_TURNED`.
 
     Where that brings the views no nearer to each other the poses are those that were given.
     """
@@ -65,7 +65,7 @@ def aligned(views: Sequence[DepthView]) -> Aligned:
         for k in range(len(views)):
             fitted = _fit(k, clouds, poses, given[k])
             shift, turn = shift_and_turn(_way(clouds[k], given[k], fitted))
-            if shift <= FARTHEST and turn <= MOST_TURNED:
+            if shift <= MOST_MOVED and turn <= MOST_TURNED:
                 poses[k] = fitted
     (before, shared), (after, shared_after) = _apart(clouds, given), _apart(clouds, poses)
     if not after < before:
@@ -103,11 +103,11 @@ def _pairs(
     others = [j for j in range(len(clouds)) if j != k]
     target = np.concatenate([points[j] for j in others])
     facing = np.concatenate([normals[j] for j in others])
-    found = KDTree(target).query(points[k], distance_upper_bound=REACH)
+    found = KDTree(target).query(points[k], distance_upper_bound=SAME_PLACE_WITHIN)
     apart, nearest = np.asarray(found[0]), np.asarray(found[1])
     close = np.flatnonzero(np.isfinite(apart))
     nearest = nearest[close]
-    same = np.einsum("nk,nk->n", normals[k][close], facing[nearest]) > ALIKE
+    same = np.einsum("nk,nk->n", normals[k][close], facing[nearest]) > ALIKE_NORMALS
     return points[k][close[same]], target[nearest[same]], facing[nearest[same]]
 
 
@@ -125,7 +125,7 @@ def _fit(
     middle = p.mean(axis=0)
     rows = np.hstack([n, np.cross(p - middle, n)])
     off = np.einsum("nk,nk->n", p - q, n)
-    worth = WORTH / len(p) / OFF**2
+    worth = WORTH / len(p) / POINT_DEVIATION**2
     prior = np.diag([1 / SHIFT**2] * 3 + [1 / TURN**2] * 3)
     # The way gone so far, along and about the model's axes through the same middle.
     gone = poses[k] * given.inverse()

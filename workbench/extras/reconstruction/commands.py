@@ -15,8 +15,8 @@ from workbench.extras.reconstruction.accuracy import ModelTask, made_model
 from workbench.extras.reconstruction.depth_views import Bounds
 from workbench.extras.reconstruction.part_views import read_views
 from workbench.extras.reconstruction.reconstruct import (
-    FEWEST,
-    MOST,
+    FEWEST_SCANS,
+    MOST_SCANS,
     Reconstruction,
     reconstruct,
 )
@@ -26,14 +26,14 @@ from workbench.formats.meshes.triangles import stl_of, triangles_of
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError, InputError
 
-KINDS = (".ply", ".stl")
+FILE_ENDINGS = (".ply", ".stl")
 
 
 def from_scans(typed: PartFromScans) -> int:
     """Read the scans, merge them, write the model, and tell how far it can be believed."""
     kind = typed.out.suffix.lower()
-    if kind not in KINDS:
-        raise FileError(typed.out, f"is to be written as one of {', '.join(KINDS)}")
+    if kind not in FILE_ENDINGS:
+        raise FileError(typed.out, f"is to be written as one of {', '.join(FILE_ENDINGS)}")
     if typed.out.exists():
         raise FileError(typed.out, "is there already; choose another name")
     if not typed.out.parent.is_dir():
@@ -94,7 +94,7 @@ def _print(typed: PartFromScans, made: Reconstruction, look: SurfaceReport, coun
 
 def study_models(typed: StudyModels) -> int:
     """Make the models one after the other, and tell how far they are from the truth."""
-    check_whole("--views", typed.views, FEWEST, MOST)
+    check_whole("--views", typed.views, FEWEST_SCANS, MOST_SCANS)
     check_number("--shift-mm", typed.shift_mm, 0, 10)
     check_number("--turn-deg", typed.turn_deg, 0, 5)
     check_number("--off-mm", typed.off_mm, -100, 100)

@@ -16,12 +16,12 @@ from workbench.model.geometry import Floats, frozen, pose_from_matrix, put
 from workbench.model.scan import Scan
 
 VIEWS_FORMAT = "workbench-views/1"
-FILE = "views.toml"
+VIEWS_FILE = "views.toml"
 
-FEWEST, MOST = 3, 200
+FEWEST_SCANS, MOST_SCANS = 3, 200
 """Scans in a folder."""
 
-LARGEST = 10_000.0
+LARGEST_COORDINATE = 10_000.0
 """[mm] Of any coordinate."""
 
 
@@ -52,19 +52,24 @@ def read_views(folder: Path) -> PartViews:
     Raises:
         FileError: names file, key, value and what was expected.
     """
-    if not is_file(folder / FILE):
-        raise FileError(folder, f"holds no {FILE}, which says where each scan was taken from")
-    table = read_toml(folder / FILE)
+    if not is_file(folder / VIEWS_FILE):
+        raise FileError(folder, f"holds no {VIEWS_FILE}, which says where each scan was taken from")
+    table = read_toml(folder / VIEWS_FILE)
     table.text("format", among=(VIEWS_FORMAT,))
     unit = table.text("unit", "m", among=tuple(UNITS))
     axes = table.text("axes", Z_FORWARD, among=tuple(CLOUD_AXES))
-    low, high = (table.numbers(key, 3, low=-LARGEST, high=LARGEST) for key in ("low_mm", "high_mm"))
+    low, high = (
+        table.numbers(key, 3, low=-LARGEST_COORDINATE, high=LARGEST_COORDINATE)
+        for key in ("low_mm", "high_mm")
+    )
     if not np.all(high > low):
         raise table.error("high_mm", "each number must be larger than that of low_mm")
     T_scanner_table = _turntable(table.table("turntable")) if table.has("turntable") else None
     listed = tuple(table.tables("scan"))
-    if not FEWEST <= len(listed) <= MOST:
-        raise table.error("scan", f"{FEWEST} to {MOST} scans are expected, {len(listed)} are given")
+    if not FEWEST_SCANS <= len(listed) <= MOST_SCANS:
+        raise table.error(
+            "scan", f"{FEWEST_SCANS} to {MOST_SCANS} scans are expected, {len(listed)} are given"
+        )
     placed = [_read_view(scan_table, T_scanner_table) for scan_table in listed]
     paths = [path for path, _ in placed]
     for path in paths:
@@ -81,7 +86,7 @@ def read_views(folder: Path) -> PartViews:
 def _turntable(table: Table) -> pin.SE3:
     """`T_scanner_table`: z along the axis, the origin at the point, x beside the scanner's x."""
     axis = table.numbers("axis", 3, low=-1e6, high=1e6)
-    point = table.numbers("point_mm", 3, low=-LARGEST, high=LARGEST) / 1000
+    point = table.numbers("point_mm", 3, low=-LARGEST_COORDINATE, high=LARGEST_COORDINATE) / 1000
     table.finish()
     length = float(np.linalg.norm(axis))
     if length < 1e-6:
@@ -99,7 +104,7 @@ def _read_view(table: Table, T_scanner_table: pin.SE3 | None) -> tuple[Path, pin
     name = table.text("file")
     path = table.path.parent / name
     if not is_file(path):
-        raise table.error("file", f"there is no file {name!r} beside {FILE}")
+        raise table.error("file", f"there is no file {name!r} beside {VIEWS_FILE}")
     if T_scanner_table is None:
         matrix = table.numbers("T_model_scanner", 16, low=-1e6, high=1e6).reshape(4, 4)
         matrix[:3, 3] /= 1000

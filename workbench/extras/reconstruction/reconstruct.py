@@ -20,7 +20,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Mesh
 from workbench.model.scan import Scan
 
-FEWEST, MOST = 3, 200
+FEWEST_SCANS, MOST_SCANS = 3, 200
 """Scans: two leave most of a part unseen."""
 
 VOXELS = 30_000_000
@@ -89,8 +89,10 @@ def reconstruct(
         InputError: too few scans, one that shows nothing in the region, voxels too small for it,
             no part in it, no place that two scans show, or a scan that does not fit the others.
     """
-    if not FEWEST <= len(scans) <= MOST:
-        raise InputError(f"{FEWEST} to {MOST} scans are expected, {len(scans)} are given")
+    if not FEWEST_SCANS <= len(scans) <= MOST_SCANS:
+        raise InputError(
+            f"{FEWEST_SCANS} to {MOST_SCANS} scans are expected, {len(scans)} are given"
+        )
     size = bounds.high - bounds.low
     if voxel is None:
         pixels = float(np.median([pixel_width(scan, bounds) for scan in scans]))

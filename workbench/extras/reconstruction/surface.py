@@ -13,7 +13,7 @@ from workbench.perception.views.surfaces import add_surface
 AVERAGED = 1.0
 """[voxels] Deviation of the weights by which the field is averaged: takes noise and steps away."""
 
-LEAST = 1e-3
+LEAST_VALUE = 1e-3
 """Values nearer to zero would put corners of several triangles on one voxel."""
 
 ROUGHEST = 16.0
@@ -35,14 +35,16 @@ def closed_surface(field: Floats, origin: Floats, voxel: float) -> trimesh.Trime
         InputError: nothing is inside.
     """
     smooth = ndimage.gaussian_filter(field, AVERAGED)
-    smooth = np.where(np.abs(smooth) < LEAST, np.where(smooth < 0, -LEAST, LEAST), smooth)
+    smooth = np.where(
+        np.abs(smooth) < LEAST_VALUE, np.where(smooth < 0, -LEAST_VALUE, LEAST_VALUE), smooth
+    )
     bodies, count = _label(smooth < 0)
     if count == 0:
         raise InputError("the scans show no part in the region")
     largest = 1 + int(np.argmax(np.bincount(bodies.ravel())[1:]))
-    smooth = np.where((smooth < 0) & (bodies != largest), LEAST, smooth)
+    smooth = np.where((smooth < 0) & (bodies != largest), LEAST_VALUE, smooth)
     airs, _ = _label(smooth > 0)
-    smooth = np.where((smooth > 0) & (airs != airs[0, 0, 0]), -LEAST, smooth)
+    smooth = np.where((smooth > 0) & (airs != airs[0, 0, 0]), -LEAST_VALUE, smooth)
     # Open3D has z, y, x in this order, and the triangles of what is negative look inward.
     volume = o3d.core.Tensor(np.ascontiguousarray(smooth.transpose(2, 1, 0), dtype=np.float32))
     found = o3d.t.geometry.TriangleMesh.create_isosurfaces(volume, [0.0])

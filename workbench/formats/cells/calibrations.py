@@ -19,7 +19,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, frozen, put
 
 POSES_FORMAT = "workbench-calibration/1"
-FILE = "calibration.toml"
+CALIBRATION_FILE = "calibration.toml"
 
 MOST_POSES = 60
 
@@ -128,7 +128,7 @@ def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:
     Raises:
         FileError: names file, key, value and what was expected.
     """
-    table = read_toml(folder / FILE)
+    table = read_toml(folder / CALIBRATION_FILE)
     table.text("format", among=(POSES_FORMAT,))
     carrier = cell.scanner.on_arm
     arms = tuple(arm.name for arm in cell.arms) if carrier is None else (carrier.arm,)
@@ -164,7 +164,7 @@ def _pose(table: Table, cell: Cell, arm: Arm) -> ScannedPose:
     name = table.text("scan")
     scan = table.path.parent / name
     if not is_file(scan):
-        raise table.error("scan", f"there is no file {name!r} beside {FILE}")
+        raise table.error("scan", f"there is no file {name!r} beside {CALIBRATION_FILE}")
     count = len(arm.joints)
     shown = table.numbers("joints_deg", count, low=-MOST_SHOWN, high=MOST_SHOWN)
     table.finish()
@@ -199,4 +199,4 @@ def write_scanned_poses(
     for pose in poses:
         shown = numbers(shown_axes(cell, arm, pose.q), 4)
         lines += ["", "[[pose]]", f"scan = {text(pose.scan.name)}", f"joints_deg = {shown}"]
-    write_whole(folder / FILE, ("\n".join(lines) + "\n").encode())
+    write_whole(folder / CALIBRATION_FILE, ("\n".join(lines) + "\n").encode())

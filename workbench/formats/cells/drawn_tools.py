@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import LONGEST_NAME, MB, write_upload
-from workbench.formats.meshes.cad_files import KINDS, LARGEST_CAD
+from workbench.formats.meshes.cad_files import CAD_ENDINGS, LARGEST_CAD
 from workbench.formats.meshes.pieces.convex_pieces import hull_of, pieces_of
 from workbench.formats.parts.new_part import check_name, import_mesh
 from workbench.model.cell import Finger, Tool
@@ -146,8 +146,8 @@ def check_drawn(drawn: DrawnTool) -> None:
 
 def _check_drawing(drawing: CadDrawing) -> None:
     name = drawing.file
-    if PurePosixPath(name).suffix.lower() not in KINDS:
-        raise InputError(ChangeRefusal.NO_CAD(file=repr(name[-LONGEST_NAME:]), kinds=KINDS))
+    if PurePosixPath(name).suffix.lower() not in CAD_ENDINGS:
+        raise InputError(ChangeRefusal.NO_CAD(file=repr(name[-LONGEST_NAME:]), kinds=CAD_ENDINGS))
     if not 0 < drawing.content.size <= LARGEST_CAD:
         raise InputError(
             ChangeRefusal.FILE_SIZE(

@@ -10,7 +10,7 @@ from workbench.formats.files.whole_files import write_whole
 from workbench.model.prediction import Forecast, Predictions
 
 FORMAT = "workbench-threshold/1"
-NAME = "threshold.json"
+FILE_NAME = "threshold.json"
 
 
 def predictions_path(cell: str) -> Path:
@@ -21,7 +21,7 @@ def predictions_path(cell: str) -> Path:
     """
     path = cell_path(cell)
     # A folder may hold several cells: each has a study of its own.
-    return path.with_name(NAME if path.name == "cell.toml" else f"{path.stem}.{NAME}")
+    return path.with_name(FILE_NAME if path.name == "cell.toml" else f"{path.stem}.{FILE_NAME}")
 
 
 def read_predictions(path: Path) -> Predictions | None:

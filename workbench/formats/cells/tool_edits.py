@@ -17,7 +17,7 @@ from workbench.model.geometry import Floats, Mesh, Solid
 TOOLS = "tools"
 """The folder beside a cell file that the meshes of new tools go to."""
 
-DIRECTIONS = np.array(
+COMPARED_DIRECTIONS = np.array(
     [direction for direction in product((-1.0, 0.0, 1.0), repeat=3) if any(direction)]
 )
 """In which it is compared how far convex meshes reach."""
@@ -115,7 +115,7 @@ def _numbers(tool: Tool) -> Floats:
 def _of_solid(solid: Solid) -> Floats:
     shape = solid.shape
     if isinstance(shape, Mesh):
-        measures = (np.asarray(shape.points) @ DIRECTIONS.T).max(axis=0)
+        measures = (np.asarray(shape.points) @ COMPARED_DIRECTIONS.T).max(axis=0)
     else:
         lengths = (getattr(shape, key, 0.0) for key in ("size", "radius", "length"))
         measures = np.concatenate([np.ravel(length) for length in lengths])

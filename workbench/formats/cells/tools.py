@@ -28,7 +28,7 @@ NO_OUTPUT, MOST_OUTPUT = -1, 7
 LOAD_KEYS = ("mass_g", "centre_of_gravity_mm", "inertia_kgm2")
 """Keys of every tool, of a kind or not."""
 
-AROUND = 0.1
+UNMODELLED_WITHIN = 0.1
 """[m] This far around its solids a tool may have parts that nobody has modelled."""
 
 TENSOR = ((0, 3, 4), (3, 1, 5), (4, 5, 2))
@@ -153,7 +153,7 @@ def _with_load(table: Table, tool: Tool) -> Tool:
         raise table.error("inertia_kgm2", problem)
     low, high = _box_of(tool)
     # Further than this from each other no two points of the tool are.
-    most = mass * float(np.linalg.norm(high - low) + 2 * AROUND) ** 2
+    most = mass * float(np.linalg.norm(high - low) + 2 * UNMODELLED_WITHIN) ** 2
     if float(np.abs(inertia).max()) > most:
         raise table.error(
             "inertia_kgm2",
@@ -171,11 +171,11 @@ def _with_load(table: Table, tool: Tool) -> Tool:
 def _far_from(tool: Tool, point: Floats) -> str:
     """Why a point (3,) [m] in the flange's frame does not belong to a tool; empty where it may."""
     low, high = _box_of(tool)
-    if np.all((point >= low - AROUND) & (point <= high + AROUND)):
+    if np.all((point >= low - UNMODELLED_WITHIN) & (point <= high + UNMODELLED_WITHIN)):
         return ""
     return (
-        f"lies more than {AROUND * 1000:g} mm outside of the tool, which goes from {_mm(low)} to "
-        f"{_mm(high)} mm in the flange's frame"
+        f"lies more than {UNMODELLED_WITHIN * 1000:g} mm outside of the tool, which goes from "
+        f"{_mm(low)} to {_mm(high)} mm in the flange's frame"
     )
 
 

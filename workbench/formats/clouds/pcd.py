@@ -20,13 +20,13 @@ LONGEST_HEADER = 64 * 1024
 MOST_VALUES = 10_000
 """Of one field: more than any descriptor of a point has."""
 
-KINDS = {
+NUMBER_TYPES = {
     ("F", 4): "<f4", ("F", 8): "<f8", ("U", 1): "<u1", ("U", 2): "<u2", ("U", 4): "<u4",
     ("U", 8): "<u8", ("I", 1): "<i1", ("I", 2): "<i2", ("I", 4): "<i4", ("I", 8): "<i8",
 }  # fmt: skip
 
 
-AXES = ("x", "y", "z")
+AXIS_NAMES = ("x", "y", "z")
 
 
 class Layout(NamedTuple):
@@ -62,12 +62,12 @@ def read_pcd(path: Path, content: bytes, most: int) -> PcdCloud:
     count = layout.width * layout.height
     if not 0 < count <= most:
         raise FileError(path, f"declares {count} points, 1 to {most} are read")
-    if any(layout.names.count(axis) != 1 for axis in AXES) or not all(
-        many for name, many in zip(layout.names, layout.counts, strict=True) if name in AXES
+    if any(layout.names.count(axis) != 1 for axis in AXIS_NAMES) or not all(
+        many for name, many in zip(layout.names, layout.counts, strict=True) if name in AXIS_NAMES
     ):
         raise FileError(path, f"FIELDS {' '.join(layout.names)[:80]}: x, y and z are expected")
     packed = _find_packed(layout)
-    names = AXES if packed is None else (*AXES, packed)
+    names = AXIS_NAMES if packed is None else (*AXIS_NAMES, packed)
     match layout.encoding:
         case "ascii":
             columns = _ascii(path, content, layout, count, names)
@@ -112,7 +112,9 @@ def _layout(path: Path, content: bytes) -> Layout:
     types = items.get("TYPE", [])
     if not names or len(types) != len(names):
         raise FileError(path, f"TYPE: {len(names)} letters are expected, as there are FIELDS")
-    kinds = [KINDS.get((kind.upper(), size)) for kind, size in zip(types, sizes, strict=True)]
+    kinds = [
+        NUMBER_TYPES.get((kind.upper(), size)) for kind, size in zip(types, sizes, strict=True)
+    ]
     if None in kinds:
         raise FileError(path, f"TYPE {quote(types)} with SIZE {sizes}: is not known")
     counts = _wholes(path, items, "COUNT", len(names)) if "COUNT" in items else [1] * len(names)

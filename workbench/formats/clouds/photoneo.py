@@ -17,7 +17,7 @@ from workbench.model.geometry import Floats
 
 CAMERA, FRAME = "camera", "phoxi_frame_params"
 VIEW = ("view_px", "view_py", "view_pz")
-AXES = tuple(f"{axis}_axis{word}" for axis in "xyz" for word in "xyz")
+AXIS_NAMES = tuple(f"{axis}_axis{word}" for axis in "xyz" for word in "xyz")
 SIZE = ("frame_width", "frame_height")
 
 SQUARE = 1e-3
@@ -52,12 +52,12 @@ def camera_of(path: Path, content: bytes, header: PlyHeader) -> PhotoneoCamera |
     if not {CAMERA, FRAME} <= by_name.keys():
         return None
     rows = {name: _row(path, content, header, by_name[name]) for name in (CAMERA, FRAME)}
-    missing = [name for name in (*VIEW, *AXES) if name not in rows[CAMERA]]
+    missing = [name for name in (*VIEW, *AXIS_NAMES) if name not in rows[CAMERA]]
     missing += [name for name in SIZE if name not in rows[FRAME]]
     if missing:
         raise FileError(path, f"its elements {CAMERA} and {FRAME} have no property {missing[0]}")
     place = np.array([rows[CAMERA][name] for name in VIEW])
-    R = np.array([rows[CAMERA][name] for name in AXES]).reshape(3, 3).T
+    R = np.array([rows[CAMERA][name] for name in AXIS_NAMES]).reshape(3, 3).T
     is_rotation = np.allclose(R.T @ R, np.eye(3), atol=SQUARE) and np.linalg.det(R) > 0
     if not (np.isfinite(place).all() and is_rotation):
         raise FileError(path, f"element {CAMERA}: place and axes of a camera are expected")

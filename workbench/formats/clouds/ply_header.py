@@ -16,7 +16,7 @@ from workbench.model.messages.files import FileProblem
 LONGEST_HEADER = 64 * 1024
 ENCODINGS = ("ascii", "binary_little_endian", "binary_big_endian")
 
-KINDS = {
+NUMBER_TYPES = {
     "char": "i1",
     "int8": "i1",
     "uchar": "u1",
@@ -114,10 +114,10 @@ def read_header(path: Path, content: bytes) -> PlyHeader:
             case ["property", "list", size, item, name] if {
                 size,
                 item,
-            } <= KINDS.keys() and elements:
+            } <= NUMBER_TYPES.keys() and elements:
                 elements[-1].properties.append((name, LIST))
-            case ["property", kind, name] if kind in KINDS and elements:
-                elements[-1].properties.append((name, KINDS[kind]))
+            case ["property", kind, name] if kind in NUMBER_TYPES and elements:
+                elements[-1].properties.append((name, NUMBER_TYPES[kind]))
             case _:
                 raise FileError(path, f"line {number}: {quote(line)} has no place in a PLY header")
     if not encoding:

@@ -37,14 +37,14 @@ MOST_POINTS = 10_000_000
 MOST_PIXELS = 2**31 - 1
 """`Scan` counts pixels in 32 bits."""
 
-NEAREST, FARTHEST = 0.005, 100.0
+NEAREST_POINT, FARTHEST_POINT = 0.005, 100.0
 """[m] A cloud of which every point is nearer, or one is further, was read in a wrong unit."""
 
-BESIDE = 6.0
+RANGE_FACTOR = 6.0
 """By this factor a scan may lie nearer or further than the scanner measures: less than lies
 between any two units."""
 
-KINDS = {"<f8": "double", "<i4": "int", "u1": "uchar"}
+PLY_TYPES = {"<f8": "double", "<i4": "int", "u1": "uchar"}
 """NumPy's types of the properties that are written, and PLY's names of them."""
 
 FEW = 0.05
@@ -95,7 +95,7 @@ def parse_scan(path: Path, content: bytes, mount: ScannerMount, *, key: str = KE
     scan = turned_to_camera(scan, mount.cloud_axes)
     away = np.linalg.norm(scan.points, axis=1)
     nearest, farthest = (float(value) for value in np.quantile(away, (FEW, 1 - FEW)))
-    if nearest > mount.far * BESIDE or farthest < mount.near / BESIDE:
+    if nearest > mount.far * RANGE_FACTOR or farthest < mount.near / RANGE_FACTOR:
         raise FileError(
             path,
             FileProblem.OUT_OF_RANGE(
@@ -256,7 +256,7 @@ def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m", axes: str = Z_
     header.append(f"element vertex {len(scan.points)}")
     if scan.colours is not None:
         fields += [(name, "u1") for name in CHANNELS]
-    header += [f"property {KINDS[kind]} {name}" for name, kind in fields]
+    header += [f"property {PLY_TYPES[kind]} {name}" for name, kind in fields]
     header.append("end_header\n")
     points = scan.points @ np.array(CLOUD_AXES[axes], dtype=float)
     rows: Any = np.empty(len(points), dtype=fields)
@@ -291,14 +291,14 @@ def _ascii(path: Path, content: bytes, header: PlyHeader, names: tuple[str, ...]
 
 def _check_distance(path: Path, points: Floats, unit: str, key: str) -> None:
     reach = float(np.abs(points).max())
-    if not NEAREST <= reach <= FARTHEST:
+    if not NEAREST_POINT <= reach <= FARTHEST_POINT:
         raise FileError(
             path,
             FileProblem.FAR(
                 reach=f"{reach:.4g}",
                 unit=f"{unit}{key and f' ({key})'}",
-                near=f"{NEAREST:g}",
-                far=f"{FARTHEST:g}",
+                near=f"{NEAREST_POINT:g}",
+                far=f"{FARTHEST_POINT:g}",
                 units=UNITS,
             ),
         )

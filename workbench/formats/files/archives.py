@@ -14,10 +14,10 @@ from typing import IO
 
 from workbench.formats.files.whole_files import partial_of
 from workbench.formats.files.zip_frame import (
+    CHUNK_BYTES,
     DEFLATED,
     LARGEST_FILE,
     MOST_FILES,
-    STEP,
     STORED,
     Member,
     blocks_of,
@@ -104,7 +104,7 @@ def _blocks(source: Path | bytes | memoryview) -> Iterable[bytes | memoryview]:
         yield source
         return
     with source.open("rb") as file:
-        while block := file.read(STEP):
+        while block := file.read(CHUNK_BYTES):
             yield block
 
 

@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable, Iterator
 from typing import Any, cast
 
-DEEPEST = 5
+MOST_LEVELS = 5
 """So far down lists and objects are taken apart; what lies deeper is small."""
 
 
@@ -29,7 +29,7 @@ def encode_json(value: Any, *, allow_nan: bool = False) -> bytes:
 
 def pieces(value: Any, encode: Callable[[Any], str], depth: int) -> Iterator[str]:
     """The pieces of a value that lies at a depth; plain numbers of a list are one together."""
-    is_split = depth < DEEPEST and bool(value)
+    is_split = depth < MOST_LEVELS and bool(value)
     if is_split and isinstance(value, dict) and all(type(key) is str for key in cast(Any, value)):
         before = "{"
         for key, item in cast(dict[str, Any], value).items():

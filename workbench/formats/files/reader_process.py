@@ -34,7 +34,7 @@ from workbench.plugins.progress import Cancelled, never
 
 log = logging.getLogger(__name__)
 
-LONGEST = 120.0
+LONGEST_READING = 120.0
 """[s] Of processor time that reading may take."""
 
 WAITS = 5
@@ -46,7 +46,7 @@ MOST_MEMORY = 6 * 1024 * MB
 AT_ONCE = 2
 """This many such processes of one process run at a time, whoever asks for them."""
 
-POLL = 0.05
+POLL_EVERY = 0.05
 """[s] Between two looks whether nobody wants it any more."""
 
 PR_SET_PDEATHSIG = 1
@@ -71,7 +71,7 @@ Work = Callable[..., Answer]
 It runs in a folder of its own, which is gone afterwards.
 """
 
-NAME = re.compile(r"\w+", re.ASCII)
+ARRAY_NAME = re.compile(r"\w+", re.ASCII)
 """Of an array that comes back."""
 
 
@@ -79,7 +79,7 @@ def apart(
     path: Path,
     work: Work,
     *arguments: Any,
-    longest: float = LONGEST,
+    longest: float = LONGEST_READING,
     most_memory: int = MOST_MEMORY,
     cancelled: Cancelled = never,
 ) -> Answer:
@@ -118,7 +118,7 @@ def apart(
 def _place(cancelled: Cancelled) -> bool:
     """Wait until one process more may run; False when it was cancelled before."""
     while not cancelled():
-        if _places.acquire(timeout=POLL):
+        if _places.acquire(timeout=POLL_EVERY):
             return True
     return False
 
@@ -150,7 +150,7 @@ def _run(
     try:
         while True:
             try:
-                return process.wait(POLL)
+                return process.wait(POLL_EVERY)
             except subprocess.TimeoutExpired:
                 if cancelled():
                     raise JobCancelled(_cancellation(path)) from None
@@ -172,7 +172,7 @@ def _answer(path: Path, folder: Path, code: int, longest: float) -> Answer:
         raise FileError(path, FileProblem.ENDED(code=code)) from None
     match kind:
         case "answer":
-            names = [name for name in said["arrays"] if NAME.fullmatch(name)]
+            names = [name for name in said["arrays"] if ARRAY_NAME.fullmatch(name)]
             return Answer(content, {name: _array(folder, name) for name in names})
         case "file":
             raise FileError(path, message_of(content))

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator
 from typing import IO, Any, NamedTuple
 
 STORED, DEFLATED = 0, 8
-FILE, ENTRY, END = b"PK\3\4", b"PK\1\2", b"PK\5\6"
+FILE_SIGNATURE, ENTRY_SIGNATURE, END_SIGNATURE = b"PK\3\4", b"PK\1\2", b"PK\5\6"
 LARGE_END, LARGE_PLACE = b"PK\6\6", b"PK\6\7"
 """What records begin with: PKWARE APPNOTE 4.3."""
 
@@ -32,10 +32,10 @@ MOST_GROWTH = 300
 """This many times as large as the zip file may its content be; scans come to about 3."""
 
 LONGEST_NAME = 500
-NAME = re.compile(r"(?! )[\w.+ -]{0,119}[\w+-]", re.ASCII)
+ENTRY_NAME = re.compile(r"(?! )[\w.+ -]{0,119}[\w+-]", re.ASCII)
 """What a folder or file in a zip file may be called; Windows drops dots and spaces at the end."""
 
-STEP = 2**20
+CHUNK_BYTES = 2**20
 
 
 class Member(NamedTuple):
@@ -56,7 +56,7 @@ def name_problems(files: Iterable[str], folders: Iterable[str] = ()) -> Iterator
     """Why no reader on any system should unpack files and folders of these names."""
     named = [(name, False) for name in files] + [(name, True) for name in folders]
     for name, _ in named:
-        if len(name) > LONGEST_NAME or not all(map(NAME.fullmatch, name.split("/"))):
+        if len(name) > LONGEST_NAME or not all(map(ENTRY_NAME.fullmatch, name.split("/"))):
             yield f"names {name[:100]!r}, which is no plain path below a folder"
     # A file system may not tell capitals from small letters.  What is in a folder comes behind it.
     ordered = sorted(
@@ -71,7 +71,7 @@ def name_problems(files: Iterable[str], folders: Iterable[str] = ()) -> Iterator
 
 def header_of(member: Member) -> bytes:
     """What stands in front of a file's packed content."""
-    return FILE + _numbers(member, VERSION) + struct.pack("<H", 0) + member.name.encode()
+    return FILE_SIGNATURE + _numbers(member, VERSION) + struct.pack("<H", 0) + member.name.encode()
 
 
 def _numbers(member: Member, version: int) -> bytes:
@@ -91,7 +91,12 @@ def directory_of(members: Iterable[Member]) -> bytes:
         if at > LARGE:
             at, version, more = 2**32 - 1, LARGE_VERSION, struct.pack("<2HQ", 1, 8, at)
         rest = struct.pack("<4H2L", len(more), 0, 0, 0, ORDINARY, at)
-        entries += ENTRY, struct.pack("<H", UNIX | version), _numbers(member, version), rest
+        entries += (
+            ENTRY_SIGNATURE,
+            struct.pack("<H", UNIX | version),
+            _numbers(member, version),
+            rest,
+        )
         entries += name, more
         start = member.start + member.packed
     listed = b"".join(entries)
@@ -101,7 +106,7 @@ def directory_of(members: Iterable[Member]) -> bytes:
         end = LARGE_END + struct.pack("<Q2H2L4Q", *numbers)
         end += LARGE_PLACE + struct.pack("<LQL", 0, start + len(listed), 1)
     count, size, start = min(count, 2**16 - 1), len(listed), min(start, 2**32 - 1)
-    return listed + end + END + struct.pack("<4H2LH", 0, 0, count, count, size, start, 0)
+    return listed + end + END_SIGNATURE + struct.pack("<4H2LH", 0, 0, count, count, size, start, 0)
 
 
 def members_of(file: IO[bytes]) -> list[Member]:
@@ -112,7 +117,7 @@ def members_of(file: IO[bytes]) -> list[Member]:
     while True:
         file.seek(place)
         head = file.read(30)
-        if len(head) < 30 or not head.startswith(FILE):
+        if len(head) < 30 or not head.startswith(FILE_SIGNATURE):
             break
         method, _, _, crc, packed, size, named = struct.unpack("<8x3H3LH2x", head)
         name = file.read(named)
@@ -166,7 +171,7 @@ def blocks_of(file: IO[bytes], member: Member) -> Iterator[bytes]:
     left, size, crc = member.packed, 0, 0
     unpack = zlib.decompressobj(-zlib.MAX_WBITS)
     while left:
-        block = file.read(min(left, STEP))
+        block = file.read(min(left, CHUNK_BYTES))
         if not block:
             raise ValueError(f"{member.name} is cut short")
         left -= len(block)
@@ -184,7 +189,7 @@ def blocks_of(file: IO[bytes], member: Member) -> Iterator[bytes]:
 
 def _unpack(unpack: Any, block: bytes) -> Iterator[bytes]:
     try:
-        while piece := unpack.decompress(block, STEP):
+        while piece := unpack.decompress(block, CHUNK_BYTES):
             yield piece
             block = unpack.unconsumed_tail
     except zlib.error as error:

@@ -12,9 +12,9 @@ from typing import IO, NamedTuple
 
 from workbench.formats.files.zip_frame import (
     DEFLATED,
-    END,
-    ENTRY,
-    FILE,
+    END_SIGNATURE,
+    ENTRY_SIGNATURE,
+    FILE_SIGNATURE,
     LARGE_END,
     LARGE_PLACE,
     LARGE_VERSION,
@@ -108,7 +108,7 @@ def _end(file: IO[bytes], length: int) -> tuple[int, int, int]:
     """How many files the directory has, how long it is [bytes], and where it begins."""
     place = length - 22
     record = _bytes(file, place, 22)
-    if not record.startswith(END):
+    if not record.startswith(END_SIGNATURE):
         raise ValueError("there is no end of a zip file at its end, or a comment behind it")
     disk, first, here, count, size, start, comment = struct.unpack("<4x4H2LH", record)
     if comment or disk or first or here != count:
@@ -139,7 +139,7 @@ def _entries(directory: bytes) -> Iterator[_Entry]:
     place = 0
     while place < len(directory):
         head = directory[place : place + 46]
-        if len(head) < 46 or not head.startswith(ENTRY):
+        if len(head) < 46 or not head.startswith(ENTRY_SIGNATURE):
             raise ValueError("its directory cannot be read")
         made, version, flags, method, crc, packed, size, *lengths, disk, _, outer, at = (
             struct.unpack("<4x4H4x3L5H2L", head)
@@ -205,7 +205,7 @@ def _member(file: IO[bytes], entry: _Entry) -> tuple[Member, bytes]:
             stated or expected for stated, expected in zip(sizes, entry.fields[1:], strict=True)
         ]
     is_same = (name, flags, (method, *sizes)) == (entry.name, entry.flags, entry.fields)
-    if not is_same or not head.startswith(FILE) or version & 0xFF > LARGE_VERSION:
+    if not is_same or not head.startswith(FILE_SIGNATURE) or version & 0xFF > LARGE_VERSION:
         raise ValueError(f"{entry.name!r} has another header than the directory says")
     method, crc, packed, size = entry.fields
     start = entry.place + 30 + named + more

@@ -27,10 +27,10 @@ from workbench.model.robot import Link, Robot
 COARSE = "_sc"
 """Ending of names of links that are a coarse model of another one, for self-collision."""
 
-SAMPLES = 33
+OPENINGS_TRIED = 33
 """Openings at which it is looked where the links are."""
 
-STILL = 1e-6
+LEAST_MOTION = 1e-6
 """[m] A link whose points move less is of the body."""
 
 TOLERANCE, MOST_PIECES = 0.003, 8
@@ -192,7 +192,7 @@ def _moved(
         if link.collision or link.visual
     }
     placed: dict[str, list[Floats]] = {name: [] for name in points}
-    for share in np.linspace(0.0, 1.0, SAMPLES):
+    for share in np.linspace(0.0, 1.0, OPENINGS_TRIED):
         values = {
             name: (1 - share) * low + share * high
             for name, (low, high) in zip(leaders, ends, strict=True)
@@ -207,7 +207,7 @@ def _moved(
     return tuple(
         MovingLink(name, tuple(places))
         for name, places in placed.items()
-        if max(np.abs(place - places[0]).max() for place in places) > STILL
+        if max(np.abs(place - places[0]).max() for place in places) > LEAST_MOTION
     )
 
 

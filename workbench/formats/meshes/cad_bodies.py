@@ -20,11 +20,11 @@ from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 from workbench.model.messages.files import FileProblem, FileText
 
-STEP = (".step", ".stp")
-SCENES = (".3mf", ".dae", ".glb", ".gltf", *STEP)
+STEP_KINDS = (".step", ".stp")
+SCENES = (".3mf", ".dae", ".glb", ".gltf", *STEP_KINDS)
 """Formats whose bodies have names, and that say in which unit they are."""
 
-KINDS = (".stl", ".obj", ".ply", *SCENES)
+MESH_ENDINGS = (".stl", ".obj", ".ply", *SCENES)
 ZIPPED = (".zip", ".zae")
 
 MOST_TRIANGLES = 4_000_000
@@ -137,7 +137,7 @@ def read_bodies(path: Path) -> CadBodies:
                 raise FileError(path, within) from None
         if kind not in SCENES:
             return CadBodies((_read_unnamed(path),), None, kind)
-        if kind in STEP:
+        if kind in STEP_KINDS:
             bodies, _ = _scene(converted_step(path, Path("converted.glb")), 1.0)
             # As in the file, so that a person who knows that it states a wrong unit can say so.
             scale = stated_unit(path)
@@ -247,7 +247,9 @@ def _unzip(path: Path, folder: Path) -> Path:
     try:
         with zipfile.ZipFile(BytesIO(read_whole(path, LARGEST_MESH))) as archive:
             members = [info for info in archive.infolist() if _is_wanted(info)]
-            named = [member.filename for member in members if _suffix(member.filename) in KINDS]
+            named = [
+                member.filename for member in members if _suffix(member.filename) in MESH_ENDINGS
+            ]
             if len(named) != 1:
                 held = FileProblem.SEVERAL_CAD(count=len(named), names=named[:8])
                 raise FileError(path, held if named else FileProblem.NO_CAD())

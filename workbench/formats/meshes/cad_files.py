@@ -13,9 +13,7 @@ import numpy as np
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import MB, is_file, refuse_pointer
 from workbench.formats.meshes.cad_bodies import (
-    KINDS as BARE_KINDS,
-)
-from workbench.formats.meshes.cad_bodies import (
+    MESH_ENDINGS,
     ZIPPED,
     CadBodies,
     CadBody,
@@ -27,7 +25,7 @@ from workbench.model.errors import FileError
 from workbench.model.geometry import Mesh
 from workbench.model.messages.files import FileProblem
 
-KINDS = (*BARE_KINDS, *ZIPPED)
+CAD_ENDINGS = (*MESH_ENDINGS, *ZIPPED)
 
 LARGEST_CAD = LARGEST_MESH
 """[bytes] Of one file."""
@@ -94,8 +92,8 @@ def read_cad(
         SeveralSolids: one has to be chosen.
     """
     kind = path.suffix.lower()
-    if kind not in KINDS:
-        raise FileError(path, FileProblem.NO_CAD_FILE(kinds=KINDS))
+    if kind not in CAD_ENDINGS:
+        raise FileError(path, FileProblem.NO_CAD_FILE(kinds=CAD_ENDINGS))
     if not is_file(path):
         raise FileError(path, FileProblem.MISSING())
     if path.stat().st_size > LARGEST_MESH:

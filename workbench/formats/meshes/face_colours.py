@@ -14,7 +14,7 @@ from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 from workbench.model.messages.files import FileProblem
 
-KINDS = (".ply", ".obj", ".off", ".glb")
+COLOURED_ENDINGS = (".ply", ".obj", ".off", ".glb")
 """Of mesh files that may have colours; those of STL are no standard."""
 
 FINENESS = 4
@@ -35,8 +35,8 @@ def read_face_colours(path: Path, count: int) -> np.ndarray:
         FileError: it cannot be read, has no colours, or not for each triangle.
     """
     kind = path.suffix.lower()
-    if kind not in KINDS:
-        detail = f"one of {', '.join(KINDS)} is expected"
+    if kind not in COLOURED_ENDINGS:
+        detail = f"one of {', '.join(COLOURED_ENDINGS)} is expected"
         raise FileError(path, FileProblem.COLOURS(detail=detail))
     content = read_whole(path, LARGEST_MESH)
     how = f"colours {recipe('trimesh', 'pillow')} {kind}"

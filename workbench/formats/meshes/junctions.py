@@ -7,16 +7,16 @@ import numpy as np
 from workbench.formats.meshes.shells import MeshEdges, label_components
 from workbench.model.geometry import Floats, Ints, Mesh
 
-NEAR = 1e-4
+JOINED_WITHIN = 1e-4
 """Of the surface's size: corners along open edges that are this close are one."""
 
 ON_EDGE = 2e-5
 """Of the surface's size: a corner that is this near to an open edge lies on it."""
 
-LEAST = 2e-6
+LEAST_DISTANCE = 2e-6
 """[m] At least this near."""
 
-ROUNDS = 8
+MOST_ROUNDS = 8
 """A triangle may have corners on more than one of its sides."""
 
 
@@ -35,7 +35,7 @@ def weld_corners(mesh: Mesh) -> tuple[Mesh, int]:
     rim = np.unique(sides)
     lengths = np.linalg.norm(mesh.points[sides[:, 0]] - mesh.points[sides[:, 1]], axis=1)
     # An edge is never joined to a point: that would tear the surface elsewhere.
-    near = min(max(NEAR * _size(mesh), LEAST), 0.4 * float(lengths.min()))
+    near = min(max(JOINED_WITHIN * _size(mesh), LEAST_DISTANCE), 0.4 * float(lengths.min()))
     pairs = KDTree(mesh.points[rim]).query_pairs(near, output_type="ndarray")
     if len(pairs) == 0:
         return mesh, 0
@@ -53,8 +53,8 @@ def split_at_junctions(mesh: Mesh) -> tuple[Mesh, int]:
     from scipy.spatial import KDTree
 
     points, triangles = np.asarray(mesh.points), np.array(mesh.triangles)
-    near, count = max(ON_EDGE * _size(mesh), LEAST), 0
-    for _ in range(ROUNDS):
+    near, count = max(ON_EDGE * _size(mesh), LEAST_DISTANCE), 0
+    for _ in range(MOST_ROUNDS):
         edges = MeshEdges(triangles, len(points))
         sides = edges.open_sides
         rim = np.unique(edges.sides[sides])

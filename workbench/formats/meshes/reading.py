@@ -15,7 +15,7 @@ from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 from workbench.model.messages.files import FileProblem
 
-KINDS = (".stl", ".obj", ".ply", ".glb", ".dae", ".off", ".pcd")
+MESH_ENDINGS = (".stl", ".obj", ".ply", ".glb", ".dae", ".off", ".pcd")
 """Of mesh files.  Among what else trimesh reads are archives, and these may hold any amount."""
 LARGEST_MESH = 100 * MB
 LARGEST_KEPT = 8 * MB
@@ -68,8 +68,8 @@ def read_mesh(
     if not is_file(path):
         raise FileError(path, FileProblem.MISSING())
     kind = path.suffix.lower()
-    if kind not in KINDS:
-        raise FileError(path, FileProblem.NO_MESH(kinds=KINDS))
+    if kind not in MESH_ENDINGS:
+        raise FileError(path, FileProblem.NO_MESH(kinds=MESH_ENDINGS))
     content = read_whole(path, LARGEST_MESH)
 
     def make() -> Mesh:

@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.formats.meshes.junctions import split_at_junctions, weld_corners
 from workbench.formats.meshes.shells import (
-    SAME,
+    MERGED_WITHIN,
     MeshEdges,
     inward,
     label_components,
@@ -88,7 +88,7 @@ def joined_corners(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
         The mesh, and what was left out, in words.
     """
     said: list[str] = []
-    first, number = _places(np.round(mesh.points / SAME).astype(np.int64))
+    first, number = _places(np.round(mesh.points / MERGED_WITHIN).astype(np.int64))
     triangles = number[mesh.triangles]
     points = np.asarray(mesh.points)[first]
     # Three corners on a line have no area either, but close the surface: those stay.

@@ -4,7 +4,7 @@ import numpy as np
 
 from workbench.model.geometry import Bools, Floats, Ints, Mesh
 
-SAME = 1e-6
+MERGED_WITHIN = 1e-6
 """[m] Corners this close are one: files write each triangle with corners of its own."""
 
 
@@ -122,7 +122,9 @@ def shells_of(mesh: Mesh) -> tuple[Ints, Ints]:
     low, high = _boxes(mesh, shells)
     outer = np.arange(len(volumes))
     for k in np.flatnonzero(volumes < 0):
-        around = (low < low[k] - SAME).all(axis=1) & (high > high[k] + SAME).all(axis=1)
+        around = (low < low[k] - MERGED_WITHIN).all(axis=1) & (high > high[k] + MERGED_WITHIN).all(
+            axis=1
+        )
         holders = np.flatnonzero(around & (volumes > 0))
         if len(holders):
             outer[k] = holders[np.argmin(volumes[holders])]

@@ -23,7 +23,7 @@ GRASPS = "grasps.toml"
 
 HEAD = "Grasps of this part; lengths in mm, angles in degrees, in the part's frame (see part.toml)."
 
-AXES = {"axis": [0, 0, 1], "across": [1, 0, 0], "through_mm": [0, 0, 0]}
+PATTERN_DEFAULTS = {"axis": [0, 0, 1], "across": [1, 0, 0], "through_mm": [0, 0, 0]}
 """What a pattern has when nothing is said."""
 
 
@@ -162,7 +162,11 @@ def _pattern_keys(pattern: GraspPattern) -> dict[str, Any]:
     if len(pattern.across_offsets) > 1 or any(pattern.across_offsets):
         keys["across"] = _direction(pattern.across)
         keys["across_mm"] = [short(offset * 1000) for offset in pattern.across_offsets]
-    return {key: value for key, value in keys.items() if AXES.get(key) != value or key == "axis"}
+    return {
+        key: value
+        for key, value in keys.items()
+        if PATTERN_DEFAULTS.get(key) != value or key == "axis"
+    }
 
 
 def _pair_keys(pair: GraspPair) -> dict[str, Any]:

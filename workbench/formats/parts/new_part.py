@@ -33,7 +33,7 @@ from workbench.model.part import Part
 from workbench.model.symmetry import Symmetry
 from workbench.plugins.progress import Report, silent
 
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,59}")
+PART_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,59}")
 
 HEAVIEST = 1000.0
 """[kg] Of what is picked; what is heavier has another unit."""
@@ -155,7 +155,7 @@ def check_name(name: str) -> None:
     Raises:
         InputError: says what is expected.
     """
-    if not NAME.fullmatch(name):
+    if not PART_NAME.fullmatch(name):
         raise InputError(FileProblem.PART_NAME(name=repr(name)))
 
 

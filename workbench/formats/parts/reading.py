@@ -22,7 +22,15 @@ from workbench.formats.parts.scales import (
 )
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats, Mesh, Solid
-from workbench.model.part import TURNED, Entry, Grasp, GraspLibrary, GraspPair, GraspPattern, Part
+from workbench.model.part import (
+    TURN_MARK,
+    Entry,
+    Grasp,
+    GraspLibrary,
+    GraspPair,
+    GraspPattern,
+    Part,
+)
 from workbench.model.symmetry import MOST_FOLD, Symmetry, SymmetryAxis
 
 MOST_PIECES = 128
@@ -232,8 +240,8 @@ def _entry(table: Table) -> Entry:
 
 def _name(table: Table) -> str:
     name = table.text("name")
-    if len(name) > LONGEST_NAME or TURNED in name:
-        problem = f"must be up to {LONGEST_NAME} characters without {TURNED}, not {quote(name)}"
+    if len(name) > LONGEST_NAME or TURN_MARK in name:
+        problem = f"must be up to {LONGEST_NAME} characters without {TURN_MARK}, not {quote(name)}"
         raise table.error("name", problem)
     return name
 

@@ -54,7 +54,7 @@ MOST_OBSTACLES = 600
 
 MOST_NOTES, LONGEST_NOTE = 30, 1000
 
-FARTHEST = 1000.0
+LARGEST_JOINT = 1000.0
 """[rad or m] Beyond this a joint value is a slip of whoever wrote the file."""
 
 
@@ -247,7 +247,7 @@ def _leg(table: Table, joints: int) -> Leg:
     q = table.rows("q", joints)
     if not 0 < q.size <= LARGE:
         raise table.error("q", f"{len(q)} waypoints; expected 1 to {LARGE // joints}")
-    if np.abs(q).max() > FARTHEST:
+    if np.abs(q).max() > LARGEST_JOINT:
         raise table.error("q", f"joint values reach {np.abs(q).max():.3g}, no joint turns so far")
     leg = Leg(
         name=_leg_name(table),

@@ -20,7 +20,7 @@ POSES_FORMAT = "workbench-poses/1"
 
 LARGEST_FILE = 4 * MB
 MOST_PARTS = 1000
-FARTHEST = 20.0
+FARTHEST_PART = 20.0
 """[m] A part further away than this was given in other units."""
 
 EXACT = 1e-6
@@ -182,10 +182,10 @@ def checked_pose(path: Path, where: str, matrix: Floats) -> pin.SE3:
     except InputError as error:
         raise FileError(path, f"{where}: {error}") from None
     away = float(np.abs(T.translation).max())
-    if away > FARTHEST:
+    if away > FARTHEST_PART:
         raise FileError(
             path,
-            f"{where}: is {away:.4g} m away, expected at most {FARTHEST:g} m; JSON is in "
+            f"{where}: is {away:.4g} m away, expected at most {FARTHEST_PART:g} m; JSON is in "
             "metres, HALCON text in millimetres",
         )
     if np.abs(T.rotation - matrix[:3, :3]).max() <= EXACT:

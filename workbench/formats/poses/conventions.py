@@ -14,7 +14,7 @@ import pinocchio as pin
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 
-SAME = 1e-9
+POLE_WITHIN = 1e-9
 """[rad] Two turns about one axis nearer than this to a pole are reported as one."""
 
 UNIT = 0.01
@@ -73,7 +73,7 @@ def _zyx_matrix(degrees: Floats) -> Floats:
 def _zyx_degrees(R: Floats) -> Floats:
     """Where y is 90 degrees, x and z are one turn: all of it is reported as z."""
     y = np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0]))
-    if np.hypot(R[0, 0], R[1, 0]) < SAME:
+    if np.hypot(R[0, 0], R[1, 0]) < POLE_WITHIN:
         return np.rad2deg([0.0, y, np.arctan2(-R[0, 1], R[1, 1])])
     return np.rad2deg([np.arctan2(R[2, 1], R[2, 2]), y, np.arctan2(R[1, 0], R[0, 0])])
 
@@ -99,7 +99,7 @@ def _zyz_degrees(R: Floats) -> Floats:
     """Where y is 0 or 180 degrees both other turns are one: all of it is reported as the first."""
     across = np.hypot(R[0, 2], R[1, 2])
     y = np.arctan2(across, R[2, 2])
-    if across < SAME:
+    if across < POLE_WITHIN:
         return np.rad2deg([np.arctan2(-R[0, 1], R[1, 1]), y, 0.0])
     return np.rad2deg([np.arctan2(R[1, 2], R[0, 2]), y, np.arctan2(R[2, 1], -R[2, 0])])
 

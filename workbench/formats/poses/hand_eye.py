@@ -21,10 +21,10 @@ from workbench.formats.poses.conventions import PoseConvention
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats, pose_from_matrix
 
-LARGEST = 4_000_000
+LARGEST_FILE = 4_000_000
 """[bytes] Of a file of pairs."""
 
-FARTHEST = 20.0
+FARTHEST_POINT = 20.0
 """[m] No flange and no target is further away: such numbers are millimetres."""
 
 NEAREST = 0.01
@@ -76,7 +76,7 @@ def read_pairs(
         raise FileError(path, "no pair of a flange pose and a target pose was found")
     for pair in pairs:
         for T in (pair.T_base_flange, pair.T_camera_target):
-            if np.linalg.norm(T.translation) > FARTHEST:
+            if np.linalg.norm(T.translation) > FARTHEST_POINT:
                 raise InputError(
                     f"{path}: {pair.name} lies {np.linalg.norm(T.translation):.0f} m away; are "
                     "its lengths millimetres? Then state --unit mm"
@@ -85,7 +85,7 @@ def read_pairs(
 
 
 def _csv_pairs(path: Path, unit: float, written: PoseConvention | None) -> Iterator[PosePair]:
-    content = read_whole(path, LARGEST).decode("utf-8-sig", errors="replace")
+    content = read_whole(path, LARGEST_FILE).decode("utf-8-sig", errors="replace")
     first = 0 if written is None else len(written.names)
     wanted = (14, 24, 32) if not first else (2 * first, first + 7, first + 12, first + 16)
     is_begun = False
@@ -153,7 +153,7 @@ _Loader.add_constructor("tag:yaml.org,2002:opencv-matrix", _matrix)
 
 
 def _load(path: Path) -> Any:
-    content = read_whole(path, LARGEST).decode("utf-8-sig", errors="replace")
+    content = read_whole(path, LARGEST_FILE).decode("utf-8-sig", errors="replace")
     # OpenCV begins its files with a directive that YAML does not have.
     content = re.sub(r"\A%YAML:1\.0\s*\n(---\s*\n)?", "", content)
     try:

@@ -11,7 +11,7 @@ from workbench.model.derived.controller_axes import from_shown, shown_axes
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 
-LARGEST = 100_000
+LARGEST_FILE = 100_000
 """[bytes]"""
 
 ROUNDED = 1e-3
@@ -27,7 +27,7 @@ def read_joint_rows(path: Path, cell: Cell, arm: Arm) -> tuple[Floats, ...]:
     found: list[Floats] = []
     lower, upper, _ = cell.robot.limits(arm.joints)
     expected = f"{len(arm.joints)} joint values within the limits of {arm.name} are expected"
-    lines = read_whole(path, LARGEST).decode(errors="replace").splitlines()
+    lines = read_whole(path, LARGEST_FILE).decode(errors="replace").splitlines()
     for number, line in enumerate(lines, start=1):
         words = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
         if not words:

@@ -12,7 +12,7 @@ from workbench.formats.rapid.backups.folders import ControllerTasks, find_declar
 from workbench.formats.rapid.declaring import Source
 from workbench.formats.rapid.loading import Loaded
 from workbench.formats.rapid.problems import UNKNOWN_NAME, UNREADABLE, BadModule, Problem
-from workbench.formats.rapid.setup import FILE, read_setup
+from workbench.formats.rapid.setup import CONTROLLER_FILE, read_setup
 
 
 class Nobody:
@@ -106,7 +106,7 @@ def _check_all(paths: Sequence[Path], made: dict[str, str]) -> Checked:
     sources: list[Source] = []
     problems: set[Problem] = set()
     for path in paths:
-        if not is_file(path / FILE):
+        if not is_file(path / CONTROLLER_FILE):
             rest.append(path)
             continue
         try:

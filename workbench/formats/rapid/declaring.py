@@ -21,7 +21,7 @@ MOST_VALUES = 200_000
 MOST_COMPONENTS = 10_000
 """The same of a record, with the components of its components."""
 
-DEEPEST = 100
+MOST_LEVELS = 100
 """Records within each other."""
 
 
@@ -186,7 +186,7 @@ class Declarations:
             return
         depth = 1 + max((self._depths.get(kind.name, 0) for kind in kinds.values()), default=0)
         self._depths[full] = depth
-        if depth > DEEPEST:
+        if depth > MOST_LEVELS:
             scope.wrong(name, f"{name} is nested too deeply")
             self.types.opaque.add(full)
             self._depths[full] = 0

@@ -13,7 +13,7 @@ from workbench.formats.rapid.backups.folders import (
 )
 from workbench.formats.rapid.declaring import Source
 from workbench.formats.rapid.problems import Problem
-from workbench.formats.rapid.setup import FILE, Setup, TaskSetup, read_setup
+from workbench.formats.rapid.setup import CONTROLLER_FILE, Setup, TaskSetup, read_setup
 from workbench.formats.rapid.symbols import Node, parts, words
 from workbench.formats.rapid.syntax.tokens import SyntaxTree
 
@@ -63,8 +63,8 @@ def merge(paths: Sequence[Path], ours: Path) -> Merged:
 
 
 def _controllers(paths: Sequence[Path]) -> list[ControllerTasks]:
-    made = [read_setup(path).controller() for path in paths if is_file(path / FILE)]
-    rest = [path for path in paths if not is_file(path / FILE)]
+    made = [read_setup(path).controller() for path in paths if is_file(path / CONTROLLER_FILE)]
+    rest = [path for path in paths if not is_file(path / CONTROLLER_FILE)]
     return made + (find_tasks(rest).controllers if rest else [])
 
 

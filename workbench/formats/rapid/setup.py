@@ -17,7 +17,7 @@ from workbench.formats.rapid.declaring import Source
 from workbench.formats.rapid.problems import BadModule
 from workbench.model.errors import FileError
 
-FILE = "controller.toml"
+CONTROLLER_FILE = "controller.toml"
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def read_setup(folder: Path) -> Setup:
         FileError: a file is missing, or a key is not right.
         BadModule: a module is no RAPID.
     """
-    table = read_toml(folder / FILE)
+    table = read_toml(folder / CONTROLLER_FILE)
     rows, outputs = table.table("tasks"), table.table("outputs")
     sources: dict[str, Source] = {}
     tasks: dict[str, TaskSetup] = {}
@@ -80,7 +80,7 @@ def read_setup(folder: Path) -> Setup:
         tasks[name] = TaskSetup(modules, row.text("arm", "", empty=True))
         row.finish()
     if not tasks:
-        raise FileError(folder / FILE, "has no tasks")
+        raise FileError(folder / CONTROLLER_FILE, "has no tasks")
     found = {name: outputs.texts(name) for name in outputs.names()}
     devices = table.table("devices") if table.has("devices") else None
     ports = {name: devices.texts(name) for name in devices.names()} if devices else {}

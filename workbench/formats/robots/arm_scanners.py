@@ -14,13 +14,13 @@ from workbench.model.robot import HOME, ArmScanner, Joint, Robot, ScanPosture
 
 POSE = ("position_mm", "rpy_deg")
 
-STARTS = 12
+START_POSTURES = 12
 """Postures from which a view's pose is searched, the arm's home first."""
 
-STEPS = 150
+MOST_STEPS = 150
 """Of a search from one posture."""
 
-NEAR = 1e-8
+CONVERGED_WITHIN = 1e-8
 """[m, rad] So near to the pose a search has found it."""
 
 DAMPING = 1e-6
@@ -129,7 +129,7 @@ def _find_posture(robot: Robot, arm: Arm, T_robot_flange: pin.SE3) -> tuple[Floa
     None where no search comes there, with how far [m] the best one stays away.
     """
     lower, upper, _ = robot.limits(arm.joints)
-    random = np.random.default_rng(0).uniform(lower, upper, (STARTS - 1, len(lower)))
+    random = np.random.default_rng(0).uniform(lower, upper, (START_POSTURES - 1, len(lower)))
     found: list[Floats] = []
     best = np.inf
     for start in (np.clip(arm.home, lower, upper), *random):
@@ -146,17 +146,19 @@ def _search_posture(
 ) -> tuple[Floats, float]:
     """Where a search from one posture ends, and how far [m] from there; 0.0 where it arrives."""
     lower, upper, _ = robot.limits(arm.joints)
-    for _ in range(STEPS):
+    for _ in range(MOST_STEPS):
         T, jacobian = _flange(robot, arm, q)
         error = pin.log6(T.actInv(T_robot_flange)).vector
-        if np.abs(error).max() < NEAR:
+        if np.abs(error).max() < CONVERGED_WITHIN:
             return q, 0.0
         square = jacobian @ jacobian.T + DAMPING * np.eye(6)
         step = jacobian.T @ np.linalg.solve(square, error)
         step *= min(1.0, LONGEST_STEP / max(float(np.abs(step).max()), 1e-12))
         q = np.clip(q + step, lower, upper)
     T, _ = _flange(robot, arm, q)
-    return q, max(float(np.linalg.norm(T.translation - T_robot_flange.translation)), NEAR)
+    return q, max(
+        float(np.linalg.norm(T.translation - T_robot_flange.translation)), CONVERGED_WITHIN
+    )
 
 
 def _flange(robot: Robot, arm: Arm, q: Floats) -> tuple[pin.SE3, Floats]:

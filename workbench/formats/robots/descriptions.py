@@ -23,7 +23,7 @@ from workbench.model.robot import Robot
 MeshUnit = Literal["m", "mm"]
 
 MM = 0.001
-TINY, APART = 0.01, 0.1
+TINY_MESH, JOINT_DISTANCE = 0.01, 0.1
 """[m] Meshes of a robot are not all smaller than the one while its joints are that far apart."""
 
 
@@ -77,7 +77,7 @@ def _read(path: Path, source: Expanded, packages: Packages, scale: float) -> Des
     robot, followers = robot_of(path, root, shapes, remarks)
     largest = _largest_mesh(robot)
     apart = sum(float(np.linalg.norm(joint.T_parent_joint.translation)) for joint in robot.joints)
-    if 0 < largest < TINY and apart > APART:
+    if 0 < largest < TINY_MESH and apart > JOINT_DISTANCE:
         raise FileError(
             path,
             f"its largest mesh would be {largest * 1000:.2g} mm, its joints are {apart:.2g} m "

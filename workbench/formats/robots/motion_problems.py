@@ -30,7 +30,7 @@ from workbench.model.robot import Joint, Robot
 
 FORMAT = "motion-problems/1"
 SHAPES = ("box", "cylinder", "sphere")
-NAME = r"[A-Za-z0-9_][A-Za-z0-9_.-]*"
+ROBOT_NAME = r"[A-Za-z0-9_][A-Za-z0-9_.-]*"
 """What a robot may be called: a part of the name of a file, and never a path."""
 
 FURTHEST = 1000.0
@@ -104,7 +104,7 @@ def read_motion_problems(folder: Path, robot: str | None = None) -> tuple[Motion
 
 def _robot_name(table: Table) -> str:
     name = table.text("robot")
-    if not re.fullmatch(NAME, name):
+    if not re.fullmatch(ROBOT_NAME, name):
         raise table.error("robot", f"{quote(name)} is not the name of a robot")
     return name
 

@@ -13,9 +13,9 @@ from workbench.formats.files.whole_files import MB, is_file, is_folder, read_who
 from workbench.model.errors import FileError
 
 MANIFEST = "package.xml"
-NAME = re.compile(rb"<name\b[^>]*>\s*([A-Za-z0-9_.-]+)\s*</name>")
+PACKAGE_NAME = re.compile(rb"<name\b[^>]*>\s*([A-Za-z0-9_.-]+)\s*</name>")
 
-DEEPEST = 3
+MOST_LEVELS = 3
 """Levels of folders below one above the file, and below one that a person names."""
 
 MOST_FOLDERS = 3000
@@ -90,7 +90,7 @@ class Packages:
         """The packages below a folder by their names, those of folders and those they give."""
         found: defaultdict[str, list[Path]] = defaultdict(list)
         level = [top]
-        for _ in range(DEEPEST):
+        for _ in range(MOST_LEVELS):
             level = [inner for folder in level for inner in self._folders(folder)]
             for folder in level:
                 if is_file(folder / MANIFEST):
@@ -124,7 +124,7 @@ def _given_name(folder: Path) -> str:
     if not is_file(folder / MANIFEST):
         return folder.name
     try:
-        found = NAME.search(read_whole(folder / MANIFEST, MB))
+        found = PACKAGE_NAME.search(read_whole(folder / MANIFEST, MB))
     except FileError:
         return folder.name
     return found[1].decode() if found else folder.name

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from workbench.formats.meshes.reading import KINDS
+from workbench.formats.meshes.reading import MESH_ENDINGS
 from workbench.model.errors import FileError
 
 
@@ -44,7 +44,11 @@ class Remarks:
 def _problem(error: FileError) -> str:
     """What is wrong; a mesh's own fault is reported with the name of its file."""
     file = Path(error.path)
-    return f"{file.name} {error.problem}" if file.suffix.lower() in KINDS else str(error.problem)
+    return (
+        f"{file.name} {error.problem}"
+        if file.suffix.lower() in MESH_ENDINGS
+        else str(error.problem)
+    )
 
 
 def _sentence(instead: str, what: list[str]) -> str:

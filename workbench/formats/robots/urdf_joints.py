@@ -15,7 +15,7 @@ from workbench.formats.robots.urdf_geometry import read_pose
 from workbench.model.errors import FileError
 from workbench.model.robot import Joint, JointKind
 
-KINDS: dict[str, JointKind] = {
+JOINT_KINDS: dict[str, JointKind] = {
     "revolute": "revolute",
     "continuous": "revolute",
     "prismatic": "prismatic",
@@ -64,8 +64,8 @@ def read_joint(
         FileError: an end is no link, or a number is wrong.
     """
     name, declared = element.text("name"), element.text("type")
-    if declared not in KINDS:
-        error = element.error(f"type={quote(declared)} is not one of {', '.join(KINDS)}")
+    if declared not in JOINT_KINDS:
+        error = element.error(f"type={quote(declared)} is not one of {', '.join(JOINT_KINDS)}")
         if declared not in LOOSE:
             raise error
         remarks.pass_over(error, "stands still")
@@ -77,7 +77,7 @@ def read_joint(
     mimic = element.one("mimic")
     if declared == "fixed" or (is_wheel and remarks.is_strict and mimic is None):
         return joint
-    kind, axis = KINDS[declared], _axis(element)
+    kind, axis = JOINT_KINDS[declared], _axis(element)
     if mimic is not None:
         moving = Joint(name, kind, parent, child, joint.T_parent_joint, axis)
         follower = Follower(

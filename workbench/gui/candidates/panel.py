@@ -9,7 +9,7 @@ import viser
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.gui.drawing.flight import CameraFlight
 from workbench.gui.scene.fix_inputs import FixInputs
-from workbench.gui.shared.colours import KINDS
+from workbench.gui.shared.colours import VERDICT_KINDS
 from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import (
     COLUMNS,
@@ -84,7 +84,7 @@ class CandidatesPanel:
         self._clear = gui.add_button("Hide in scene", icon=viser.Icon.EYE_OFF, color="gray")
         self._fix = FixInputs(visitor)
         self._filters = {
-            kind: visitor.unseen(partial(self._filter, kind)) for kind in (None, *KINDS)
+            kind: visitor.unseen(partial(self._filter, kind)) for kind in (None, *VERDICT_KINDS)
         }
         self._parts = [visitor.unseen(partial(self._show_part, part)) for part in range(MOST_PARTS)]
         self._headings: dict[Column, str] = {

@@ -15,7 +15,7 @@ from workbench.planning.kinematics.chain import Chain, is_solution
 TRIES = 12
 """Starting points of the inverse kinematics beside the configuration at hand."""
 
-AROUND = 0.3
+SEARCHED_WITHIN = 0.3
 """[rad] How far they lie from it at most."""
 
 SHOWN = 0.1
@@ -53,7 +53,7 @@ class JogFinder:
 def lead_to(chain: Chain, q: Floats, T_world_tcp: pin.SE3) -> Floats | None:
     """The configuration (n,) [rad] nearest to `q` with the tool at a pose; None out of reach."""
     rng = np.random.default_rng(0)
-    near = q + rng.uniform(-AROUND, AROUND, (TRIES, len(q)))
+    near = q + rng.uniform(-SEARCHED_WITHIN, SEARCHED_WITHIN, (TRIES, len(q)))
     answers, residuals = chain.solve(T_world_tcp, np.vstack([q, near]))
     found = answers[is_solution(residuals)]
     if not len(found):

@@ -21,7 +21,7 @@ from workbench.words.words import Words
 SHARES = (1.0, 0.5, 0.25, 0.1)
 """Of the planned speed, that are offered."""
 
-BESIDE = '<div class="wb-buttons wb-vote"></div>'
+VOTE_ROW_MARK = '<div class="wb-buttons wb-vote"></div>'
 """A mark that lays the vote beside the way back, see the style sheet: all is seen at 720 lines."""
 
 
@@ -98,7 +98,7 @@ class ApprovalDialog:
     def _add_word(self, state: State, named: tuple[str, tuple[str, ...]]) -> None:
         """How it is sent, the name, the way back and the vote; who is logged in has a name."""
         visitor, gui = self._visitor, self._visitor.gui
-        gui.add_html(BESIDE)
+        gui.add_html(VOTE_ROW_MARK)
         shown = [visitor.person.name if visitor.is_known else ""]
         name: viser.GuiTextHandle | None = None
         if not visitor.is_known:

@@ -23,7 +23,7 @@ from workbench.model.messages.states import task_message
 
 SAYS = "Scans, finds the parts and plans; then a person looks and approves."
 
-BESIDE = (
+AHEAD_HINT = (
     "It begins as soon as the scanner sees past the arms, at the latest when the plan has ended."
 )
 """What is said beside that while something is sent."""
@@ -74,7 +74,7 @@ class GoOnButton:
         problem = visitor.refusal(state, GoOn(), new.at)
         visitor.allow(self.button, visitor.words.render(problem))
         if state.phase is Phase.SENDING and not problem:
-            visitor.explain(self.button, f"{SAYS} {BESIDE}")
+            visitor.explain(self.button, f"{SAYS} {AHEAD_HINT}")
 
 
 def _progress(state: State, ahead: Ahead) -> Message | str:
@@ -83,4 +83,4 @@ def _progress(state: State, ahead: Ahead) -> Message | str:
         return CyclePageText.RUNS_MEANWHILE(task=task_message(state.job.name))
     if ahead.brought:
         return "The next cycle is prepared; it counts once the plan has ended well."
-    return BESIDE
+    return AHEAD_HINT

@@ -9,7 +9,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.messages.message import as_message
 
-WIDE = '<div class="wb-wide"></div>'
+TWO_COLUMNS_MARK = '<div class="wb-wide"></div>'
 """A mark that has the control after it take two columns, see the style sheet."""
 
 
@@ -23,7 +23,7 @@ class StepButton:
     def __init__(self, visitor: Visitor, folder: viser.GuiFolderHandle):
         """Add the first button, in `folder`; to be seen only while a plan is sent step by step."""
         self._visitor, self._folder, self._number = visitor, folder, 0
-        self._wide = visitor.gui.add_html(WIDE, visible=False)
+        self._wide = visitor.gui.add_html(TWO_COLUMNS_MARK, visible=False)
         self._button = self._make(0, None)
         self._used: list[viser.GuiButtonHandle] = []
 

@@ -18,7 +18,7 @@ from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.cell import Cell
 from workbench.words.words import IN_ENGLISH, Words
 
-WIDE = '<div class="wb-wide"></div>'
+TWO_COLUMNS_MARK = '<div class="wb-wide"></div>'
 """A mark that gives what comes next two columns."""
 
 
@@ -37,7 +37,7 @@ class ThresholdInput:
         """
         self._visitor, self._strategy = visitor, strategy
         wanted = round(visitor.cell.policy.threshold * 1000)
-        visitor.gui.add_html(WIDE)
+        visitor.gui.add_html(TWO_COLUMNS_MARK)
         # A browser may send anything.
         self._slider: viser.GuiSliderHandle[Any] = visitor.gui.add_slider(
             "Threshold [mm]",

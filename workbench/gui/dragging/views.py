@@ -5,7 +5,7 @@ from collections import Counter
 from html import escape
 
 from workbench.gui.scene.drag_overlay import kinds_in, live_message
-from workbench.gui.shared.colours import KINDS, verdict_colour
+from workbench.gui.shared.colours import VERDICT_KINDS, verdict_colour
 from workbench.gui.shared.own import Dragged
 from workbench.gui.shared.views import line
 from workbench.words.words import IN_ENGLISH, Words
@@ -34,7 +34,7 @@ def dragged_html(
     chips = "".join(
         f'<span class="wb-told-kind" style="--wb-own:{verdict_colour(kind)}">'
         f"{escape(words.render(kind.message))} <b>{counts[kind]}</b></span>"
-        for kind in KINDS
+        for kind in VERDICT_KINDS
         if counts[kind]
     )
     note = (

@@ -9,7 +9,7 @@ import viser
 
 log = logging.getLogger(__name__)
 
-STEP = 1.0
+LONGEST_GAP = 1.0
 """[s] On the plan's clock: between two drawings that a browser has confirmed lies no more."""
 
 SIZE = 8
@@ -78,7 +78,7 @@ class Audience:
     @property
     def limit(self) -> float:
         """How far [s] the plan may be played now: further on it would not be seen."""
-        return self._seen + STEP
+        return self._seen + LONGEST_GAP
 
     def begin(self, at: float) -> float:
         """A stretch is played from a time [s] on.
@@ -87,7 +87,7 @@ class Audience:
             From where: a little is repeated that was drawn before a pause, but perhaps not seen.
         """
         with self._changed:
-            at = next((seen for _, seen in self._spans if seen < at <= seen + STEP), at)
+            at = next((seen for _, seen in self._spans if seen < at <= seen + LONGEST_GAP), at)
             self._stretch += 1
             self._is_on = True
             self._drawn = self._seen = self._from = at
@@ -128,7 +128,7 @@ class Audience:
                 )
                 # A slow browser is asked seldom: the plan may go on meanwhile as far as it may.
                 self._changed.wait_for(
-                    lambda: self._is_closed or self._drawn >= self.limit, min(took, STEP)
+                    lambda: self._is_closed or self._drawn >= self.limit, min(took, LONGEST_GAP)
                 )
                 asked = (self._stretch, self._drawn)
                 self._changed.wait_for(lambda: self._is_closed, AHEAD)

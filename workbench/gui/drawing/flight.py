@@ -12,7 +12,7 @@ from workbench.model.geometry import Floats
 FLIGHT, FRAMES = 0.25, 8
 """[s] How long it takes, and the pictures on the way."""
 
-NEAR, FAR = 0.35, 0.9
+NEAREST_VIEW, FARTHEST_VIEW = 0.35, 0.9
 """[m] The camera ends between these away from what was chosen: it sees the hand and the bin."""
 
 TINY = 1e-9
@@ -27,7 +27,7 @@ def camera_near(seen: Camera, point: Floats) -> Camera:
     position, centre = seen
     away = position - centre
     distance = max(float(np.linalg.norm(away)), TINY)
-    return point + away / distance * float(np.clip(distance, NEAR, FAR)), point
+    return point + away / distance * float(np.clip(distance, NEAREST_VIEW, FARTHEST_VIEW)), point
 
 
 def camera_between(begin: Camera, end: Camera, share: float) -> Camera:

@@ -26,7 +26,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
 from workbench.planning.kinematics.robot import Kinematics
 
-STEP = 0.1
+SAMPLE_EVERY = 0.1
 """[s] Between two looks at where the hands of a plan are."""
 
 HAND = 0.1
@@ -36,7 +36,7 @@ SMALLEST = 0.01
 """Of the picture's height: a hand that is drawn smaller is seen by nobody."""
 
 
-PATIENCE = 2.0
+CAMERA_WITHIN = 2.0
 """[s] A browser that does not say where its camera is now is not waited for any longer."""
 
 THERE = 1e-3
@@ -67,7 +67,7 @@ class HandWays:
         times = [
             time
             for begin, end in spans
-            for time in np.linspace(begin, end, 2 + int((end - begin) / STEP)).tolist()
+            for time in np.linspace(begin, end, 2 + int((end - begin) / SAMPLE_EVERY)).tolist()
         ]
         return np.concatenate([np.zeros((0, 3)), *map(self.hands, times)])
 
@@ -132,7 +132,7 @@ class InView:
             camera.up_direction = (0.0, 0.0, 1.0)
             camera.position = position
             camera.look_at = target
-        self._asked = position, camera.update_timestamp, time.monotonic() + PATIENCE
+        self._asked = position, camera.update_timestamp, time.monotonic() + CAMERA_WITHIN
 
     def is_on_its_way(self, visitor: Visitor) -> bool:
         """Whether the browser has still to say that its camera is where it was sent."""

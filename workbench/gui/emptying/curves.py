@@ -13,7 +13,7 @@ from workbench.words.words import IN_ENGLISH, Words
 MOST_CURVES = len(JOINTS)
 """As many piles have a colour of their own; the others are not drawn."""
 
-FEWEST = 5.0
+FEWEST_PICKS = 5.0
 """Picks on the axis at least."""
 
 
@@ -41,7 +41,7 @@ def taken_plot(piles: Sequence[EmptiedPile], words: Words = IN_ENGLISH) -> Plot:
 
 def end_of(plot: Plot) -> float:
     """Where the axis of the picks ends: with room for its name, and whole numbers on it."""
-    return 1.1 * max(float(plot.times[-1]), FEWEST)
+    return 1.1 * max(float(plot.times[-1]), FEWEST_PICKS)
 
 
 def _count_taken(pile: EmptiedPile, most: int) -> np.ndarray:

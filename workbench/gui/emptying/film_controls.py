@@ -15,7 +15,7 @@ from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.labels import LabelText
 
-STEP = 0.05
+SLIDER_STEP = 0.05
 """[s] Of the slider."""
 
 SPEEDS = {"1 x": 1.0, "2 x": 2.0, "4 x": 4.0, "8 x": 8.0}
@@ -43,7 +43,7 @@ class FilmControls:
                 "Film [s]",
                 min=0.0,
                 max=1.0,
-                step=STEP,
+                step=SLIDER_STEP,
                 initial_value=0.0,
                 hint="Drag through the film; it is simulated, and nothing is sent.",
             )
@@ -92,7 +92,7 @@ class FilmControls:
             self._mine = None
             self._time.value = 0.0
             return
-        most = max(round(showing.seconds, 2), STEP)
+        most = max(round(showing.seconds, 2), SLIDER_STEP)
         if self._time.max != most:
             self._time.max = most
         # The browser that drags knows best where its own slider stands.

@@ -41,7 +41,7 @@ POSES: dict[str, Seen] = {"true poses": "truth", "simulated scans": "scan"}
 
 NO_CHANGE, EVERY_CHANGE = "none", "all"
 
-LONGEST = 3600.0
+LONGEST_STEP = 3600.0
 """[s] A scan or an approval takes no longer."""
 
 
@@ -103,10 +103,10 @@ class EmptyingPanel:
             self._ranked = gui.add_html("")
         with group(gui, "Seconds of people and scanner", expand_by_default=False):
             self._scan_seconds = gui.add_number(
-                "A scan takes [s]", 1.0, min=0.0, max=LONGEST, step=0.1
+                "A scan takes [s]", 1.0, min=0.0, max=LONGEST_STEP, step=0.1
             )
             self._approval_seconds = gui.add_number(
-                "An approval takes [s]", 0.0, min=0.0, max=LONGEST, step=0.1
+                "An approval takes [s]", 0.0, min=0.0, max=LONGEST_STEP, step=0.1
             )
         self._headings: dict[Column, str] = {
             column: visitor.unseen(partial(self._sort, column)) for column in COLUMNS
@@ -178,7 +178,8 @@ class EmptyingPanel:
         """What a scan and an approval take; a browser may send any number."""
         typed = (float(self._scan_seconds.value), float(self._approval_seconds.value))
         first, second = (
-            min(max(seconds, 0.0), LONGEST) if math.isfinite(seconds) else 0.0 for seconds in typed
+            min(max(seconds, 0.0), LONGEST_STEP) if math.isfinite(seconds) else 0.0
+            for seconds in typed
         )
         return first, second
 

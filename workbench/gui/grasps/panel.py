@@ -38,7 +38,7 @@ from workbench.planning.grasps.grasp_frames import PLAY, fitted_opening, frame_a
 
 log = logging.getLogger(__name__)
 
-WIDE = PLAY
+WIDEST_OPENING = PLAY
 """[m] Opening and grip of a grasp with nothing between its fingers."""
 
 
@@ -315,7 +315,9 @@ class GraspsPanel:
         T = self._editing.with_checker(lambda checker: frame_at(checker, point, normal))
         fitted = self._editing.with_checker(lambda checker: fitted_opening(checker, T))
         low, high = self._editing.tool.stroke
-        opening, grip = (fitted.opening, fitted.grip) if fitted else (min(low + WIDE, high), low)
+        opening, grip = (
+            (fitted.opening, fitted.grip) if fitted else (min(low + WIDEST_OPENING, high), low)
+        )
         grasp = Grasp(self._editing.free_name("grasp"), T, min(opening, high), min(grip, high))
         self._editing.add((grasp,), GraspEditText.ON_SURFACE(grasp=grasp.name))
 

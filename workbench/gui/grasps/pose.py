@@ -30,19 +30,19 @@ from workbench.planning.grasps.grasp_frames import snap_to_surface
 
 TOOL_AXES, PART_AXES = "the tool", "the part"
 
-STEP, TURN = 0.001, np.deg2rad(5.0)
+SNAP_DISTANCE, SNAP_ANGLE = 0.001, np.deg2rad(5.0)
 """[m, rad] Of the gizmo when it goes in steps, and of the keys."""
 
 GIZMO = 0.45
 """Size of the gizmo by that of the part."""
 
 NUDGES: Mapping[HotkeyKey, tuple[str, tuple[float, float, float]]] = {
-    "4": ("-x", (-STEP, 0.0, 0.0)),
-    "6": ("+x", (STEP, 0.0, 0.0)),
-    "2": ("-y", (0.0, -STEP, 0.0)),
-    "8": ("+y", (0.0, STEP, 0.0)),
-    "3": ("-z, away", (0.0, 0.0, -STEP)),
-    "9": ("+z, into the part", (0.0, 0.0, STEP)),
+    "4": ("-x", (-SNAP_DISTANCE, 0.0, 0.0)),
+    "6": ("+x", (SNAP_DISTANCE, 0.0, 0.0)),
+    "2": ("-y", (0.0, -SNAP_DISTANCE, 0.0)),
+    "8": ("+y", (0.0, SNAP_DISTANCE, 0.0)),
+    "3": ("-z, away", (0.0, 0.0, -SNAP_DISTANCE)),
+    "9": ("+z, into the part", (0.0, 0.0, SNAP_DISTANCE)),
 }
 """Keys that move the hand along the tool's axes."""
 
@@ -193,9 +193,9 @@ class GraspPose:
 def in_steps(T_from: pin.SE3, T_to: pin.SE3) -> pin.SE3:
     """The pose nearest to `T_to` that is whole steps away from `T_from`, along its axes."""
     difference = T_from.actInv(T_to)
-    shift = np.round(difference.translation / STEP) * STEP
+    shift = np.round(difference.translation / SNAP_DISTANCE) * SNAP_DISTANCE
     turn = pin.log3(difference.rotation)
     angle = float(np.linalg.norm(turn))
-    whole = round(angle / TURN) * TURN
+    whole = round(angle / SNAP_ANGLE) * SNAP_ANGLE
     R = pin.exp3(turn * (whole / angle)) if angle > 1e-9 else np.eye(3)
     return T_from * pin.SE3(R, shift)

@@ -16,7 +16,7 @@ from workbench.model.cell import Tool
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
-from workbench.model.part import TURNED, Entry, Grasp, GraspPattern, Part, grasps_of
+from workbench.model.part import TURN_MARK, Entry, Grasp, GraspPattern, Part, grasps_of
 from workbench.model.part_edits import grasp_of
 from workbench.planning.collision.legs import grips
 
@@ -34,7 +34,7 @@ def copies_of(part: Part, entry: Entry, tool: Tool) -> tuple[Grasp, ...]:
     return tuple(
         replace(grasp, T_part_tcp=grasp.T_part_tcp * T_tcp_grip)
         for grasp in part.grasps
-        if grasp.name.split(TURNED)[0] in names
+        if grasp.name.split(TURN_MARK)[0] in names
         for T_tcp_grip in grips(tool, grasp)
     )
 

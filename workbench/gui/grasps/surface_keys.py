@@ -15,7 +15,7 @@ from workbench.model.part import Part
 from workbench.planning.grasps.grasp_frames import outward_normal
 from workbench.planning.grasps.part_rays import NOTHING, first_hits
 
-STEP, SMALL = 0.002, 0.0002
+KEY_STEP, FINE_KEY_STEP = 0.002, 0.0002
 """[m] Steps of the arrow keys, and those with Shift, across what is seen."""
 
 Met = tuple[Floats, Floats]
@@ -50,7 +50,7 @@ class SurfaceKeys:
         self._box, self._said = gui.add_html(""), gui.add_html(point_line(""))
         steps = [
             partial(self._move, across, down, step)
-            for step in (STEP, SMALL)
+            for step in (KEY_STEP, FINE_KEY_STEP)
             for across, down in ((-1, 0), (1, 0), (0, -1), (0, 1))
         ]
         pressed = (*steps, self._take, lambda: self._ended())

@@ -41,7 +41,7 @@ WHILE_TYPING = 3.0
 """[s] For which a number beyond its bounds may stand in its field.  Who types 15 where 10 is the
 least has typed 1 before: browsers send that, and mend what is left behind themselves."""
 
-LONGEST = 200
+LONGEST_TEXT = 200
 
 PICTURE = base64.b64decode(
     "/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAP//////////////////////////////////////////////////////"
@@ -220,4 +220,4 @@ def _show_again(connection: Any, widget: Any) -> None:
 
 def _quote(text: str) -> str:
     """As one word on one line, whatever somebody has put into it."""
-    return json.dumps(text if len(text) <= LONGEST else text[:LONGEST] + "...")
+    return json.dumps(text if len(text) <= LONGEST_TEXT else text[:LONGEST_TEXT] + "...")

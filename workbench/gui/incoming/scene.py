@@ -11,7 +11,7 @@ from viser import _messages as messages
 
 from workbench.gui.incoming.widgets import NOT_SHOWN, NOT_THERE
 
-FARTHEST = 1e5
+FARTHEST_POINT = 1e5
 """[m] Of a place in the scene.  The part that grasps are edited on stands 1 km above the cell."""
 
 FARTHEST_CAMERA = 1e7
@@ -38,7 +38,7 @@ def gizmo_problem(message: Any, client: int, *scenes: viser.SceneApi) -> str:
         return NOT_SHOWN
     if not isinstance(message, messages.TransformControlsUpdateMessage):
         return ""
-    is_pose = _are_within(message.position, FARTHEST) and is_turn(message.wxyz)
+    is_pose = _are_within(message.position, FARTHEST_POINT) and is_turn(message.wxyz)
     return "" if is_pose else NO_POSE
 
 
@@ -55,7 +55,7 @@ def node_problem(message: messages.SceneNodeClickMessage, *scenes: viser.SceneAp
     number, count = message.instance_index, _count_of(node)
     if number is not None and not 0 <= number < count:
         return "no such one of them"
-    if not _are_within(message.screen_pos, FARTHEST):
+    if not _are_within(message.screen_pos, FARTHEST_POINT):
         return "no place on the screen"
     return ray_problem(message.ray_origin, message.ray_direction)
 
@@ -70,7 +70,7 @@ def pointer_problem(message: messages.ScenePointerMessage, *scenes: viser.SceneA
     places = message.screen_pos
     if len(places) != (1 if kind == "click" else 2):
         return "another number of places on the screen"
-    if not all(_are_within(place, FARTHEST) for place in places):
+    if not all(_are_within(place, FARTHEST_POINT) for place in places):
         return "no place on the screen"
     if kind != "click":
         return ""

@@ -5,7 +5,7 @@ import unicodedata
 from collections.abc import Sequence
 from typing import Any
 
-LARGEST = 1e12
+LARGEST_NUMBER = 1e12
 """Of a number whose field has no bounds of its own."""
 
 MOST_SIGNS = 1000
@@ -47,9 +47,9 @@ def number_problem(
         return "no number"
     if value == now:
         return ""
-    if value < (-LARGEST if low is None else low):
+    if value < (-LARGEST_NUMBER if low is None else low):
         return TOO_SMALL
-    if value > (LARGEST if high is None else high):
+    if value > (LARGEST_NUMBER if high is None else high):
         return TOO_LARGE
     if value in (low, high):
         return ""

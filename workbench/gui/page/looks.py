@@ -32,10 +32,10 @@ from workbench.model.messages.message import plain
 Camera = tuple[Floats, Floats]
 """Position of a camera and the point it looks at, each (3,) [m]."""
 
-AROUND = 0.12
+SEEN_AROUND = 0.12
 """[m] What is seen at least around what is selected, to all sides."""
 
-DOUBLE_CLICK, SAME = 0.5, math.radians(1.0)
+DOUBLE_CLICK, SAME_RAY = 0.5, math.radians(1.0)
 """[s, rad] Two clicks within this time, and along rays that differ by no more, are a double one."""
 
 KEYS: Mapping[str, tuple[HotkeyKey, str]] = {
@@ -106,7 +106,7 @@ def _corners_of(state: State, look: Look, thing: str) -> Floats:
         middles = [detection.T_world_part.translation for detection in found]
     if not middles:
         raise InputError("nothing is selected, and no part is found")
-    corners = AROUND * np.array(list(itertools.product((-1, 1), repeat=3)))
+    corners = SEEN_AROUND * np.array(list(itertools.product((-1, 1), repeat=3)))
     return np.concatenate([middle + corners for middle in middles])
 
 
@@ -121,7 +121,7 @@ def _thing(cell: Cell, thing: str) -> Floats:
             solids = [
                 s for fixture in cell.fixtures if fixture.name == thing for s in fixture.solids
             ]
-            around = max([AROUND, *(solid.reach for solid in solids)])
+            around = max([SEEN_AROUND, *(solid.reach for solid in solids)])
             corners = around * np.array(list(itertools.product((-1, 1), repeat=3)))
             return pose_of(cell, thing).translation + corners
 
@@ -171,7 +171,7 @@ class Looks:
         """A person has clicked along a ray, of which each is (3,) [m] in the world, at [s]."""
         before, way = self._click
         ray = direction / np.linalg.norm(direction)
-        is_double = at - before <= DOUBLE_CLICK and ray @ way >= math.cos(SAME)
+        is_double = at - before <= DOUBLE_CLICK and ray @ way >= math.cos(SAME_RAY)
         self._click = (-math.inf, way) if is_double else (at, ray)
         if self._view is not None and not is_double:
             self._point_at(self._view, origin, ray)

@@ -45,11 +45,11 @@ SHARES: Mapping[str, float] = {
 INSTANT = 1e-6
 """Too short to see [s]: sets the two sides of a step apart."""
 
-SAMPLES = 240
+CURVE_POINTS = 240
 """Points of a curve over the whole plan."""
 
 
-NARROW = 0.045
+NAME_SPACING = 0.045
 """[of the whole time] Names of sync points that are nearer to each other would overlap."""
 
 
@@ -107,7 +107,7 @@ def _syncs(syncs: tuple[SyncPoint, ...], seconds: float, words: Words) -> str:
     marks, last = "", -1.0
     for sync in syncs:
         at = sync.time / seconds
-        name = sync.name if at - last >= NARROW else ""
+        name = sync.name if at - last >= NAME_SPACING else ""
         last = at if name else last
         before, after = _who(sync.before), _who(sync.after)
         tip = PlanText.SYNC_POINT(name=sync.name, time=sync.time, before=before, after=after)
@@ -182,7 +182,7 @@ def doing(runs: tuple[Run, ...], time: float) -> Message | str:
 
 def axis_curves(cell: Cell, arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Floats, ...]:
     """Times (k,) [s] and where each axis is (k,) [deg, mm], as the controller counts it."""
-    times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
+    times = np.linspace(0.0, max(seconds, 1e-3), CURVE_POINTS)
     shown = [shown_axes(cell, arm, q) for q in arm_path(arm, runs, times)]
     return (times, *np.array(shown).T)
 
@@ -237,7 +237,7 @@ def _smallest(spans: Floats, times: Floats) -> Floats:
 
 def speed_curve(arm: Arm, cell: Cell, runs: tuple[Run, ...], seconds: float) -> Floats:
     """How fast an arm's fastest joint turns, (SAMPLES,), in percent of its limit: no unit."""
-    times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
+    times = np.linspace(0.0, max(seconds, 1e-3), CURVE_POINTS)
     _, _, velocity = cell.robot.limits(arm.joints)
     speeds = np.abs(np.gradient(arm_path(arm, runs, times), times, axis=0)) / velocity
     return 100 * speeds.max(axis=1)

@@ -17,13 +17,13 @@ from workbench.gui.texts.plan import PlanText
 TO_START, END_PREVIEW = "To the start", "End preview"
 """What the button says: after a cycle the robot is not at the plan's start to be viewed."""
 
-STEP = 0.01
+SLIDER_STEP = 0.01
 """[s] Of the slider."""
 
 SPEEDS = {"0.25 x": 0.25, "0.5 x": 0.5, "1 x": 1.0, "2 x": 2.0, "4 x": 4.0}
 """Seconds of the plan in a second, by what the page calls them."""
 
-NAME = "Preview"
+FOLDER_NAME = "Preview"
 """Of its folder, whose heading is out of sight: it is a bar, not a group of a tab."""
 
 MARK = '<div class="wb-transport"></div>'
@@ -41,13 +41,15 @@ class Transport:
         self._visitor = visitor
         self._end = 0.0
         gui = visitor.gui
-        self._folder = gui.add_folder(NAME, visible=False)
+        self._folder = gui.add_folder(FOLDER_NAME, visible=False)
         with self._folder:
             gui.add_html(MARK)
             self._start = gui.add_button(TO_START, icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")
             self._play = PlayButton(visitor)
             self._bands = gui.add_html("")
-            self._time = gui.add_slider("Time [s]", min=0.0, max=1.0, step=STEP, initial_value=0.0)
+            self._time = gui.add_slider(
+                "Time [s]", min=0.0, max=1.0, step=SLIDER_STEP, initial_value=0.0
+            )
             self._speed = gui.add_dropdown(
                 "Speed",
                 tuple(SPEEDS),
@@ -93,7 +95,9 @@ class Transport:
         self._folder.visible = state.plan is not None
         self._end = seconds
         # To the next step: the end can be reached, whatever comes after its second decimal.
-        self._time.max = max(round(math.ceil(round(seconds / STEP, 6)) * STEP, 2), STEP)
+        self._time.max = max(
+            round(math.ceil(round(seconds / SLIDER_STEP, 6)) * SLIDER_STEP, 2), SLIDER_STEP
+        )
         if state.plan is None:
             self._bands.content = self._cursor.content = self._clock.content = ""
             self._time.value = 0.0

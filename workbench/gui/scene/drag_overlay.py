@@ -25,7 +25,7 @@ WORDS = "/dragged"
 STAGE_SIZE = 100.0
 """[m] Around where a part stands alone there is nothing else."""
 
-BESIDE = 0.02
+TEXT_OFFSET = 0.02
 """[m] The words stand this far beside the bin and what is dragged."""
 
 
@@ -143,7 +143,7 @@ def right_of(camera: BrowserCamera, points: Floats) -> Floats:
     # What is nearer to the camera is seen farther from the middle.
     depth = np.linalg.norm(away)
     nearer = depth / np.maximum(depth + offsets @ away / depth, 0.1 * depth)
-    return points.mean(axis=0) + (float((offsets @ right * nearer).max()) + BESIDE) * right
+    return points.mean(axis=0) + (float((offsets @ right * nearer).max()) + TEXT_OFFSET) * right
 
 
 def kinds_in(glance: Glance) -> list[Reason]:

@@ -14,7 +14,7 @@ from workbench.gui.shared.playback import in_hands
 from workbench.model.geometry import Mesh
 from workbench.planning.kinematics.robot import Kinematics
 
-AXES = 0.12
+AXIS_LENGTH = 0.12
 """[m] Length of the frame's axes: the gizmo in the hands of who drags covers them."""
 
 
@@ -39,7 +39,9 @@ class DrawnHeld:
             return
         if self._frame is None:
             self._name = held.name
-            self._frame = self._scene.add_frame("/held", axes_length=AXES, axes_radius=AXES * 0.02)
+            self._frame = self._scene.add_frame(
+                "/held", axes_length=AXIS_LENGTH, axes_radius=AXIS_LENGTH * 0.02
+            )
             self._scene.add_label(
                 "/held/name", held.name, font_screen_scale=0.8, anchor="bottom-center"
             )

@@ -16,9 +16,9 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, RejectedHypothesis
 
-ABOVE, APART, AROUND = 0.012, 0.018, 0.035
-"""[m] How far a pin ends above its part.  The ends of pins that stand nearer than `AROUND` differ
-in height by `APART` at least."""
+PIN_HEIGHT, PIN_STEP, PIN_SPACING = 0.012, 0.018, 0.035
+"""[m] How far a pin ends above its part.  Pins nearer to each other than `PIN_SPACING` differ in
+height by `PIN_STEP` at least."""
 
 HEAD = 0.003
 """[m] Radius of a pin's head."""
@@ -37,10 +37,10 @@ def pin_heights(tops: Floats) -> Floats:
     ended: list[int] = []
     for number in np.argsort(tops[:, 2], kind="stable").tolist():
         away = np.linalg.norm(tops[ended, :2] - tops[number, :2], axis=1)
-        z = tops[number, 2] + ABOVE
-        for other in np.sort(heights[ended][away < AROUND]):
-            if abs(z - other) < APART:
-                z = other + APART
+        z = tops[number, 2] + PIN_HEIGHT
+        for other in np.sort(heights[ended][away < PIN_SPACING]):
+            if abs(z - other) < PIN_STEP:
+                z = other + PIN_STEP
         heights[number] = z
         ended.append(number)
     return heights

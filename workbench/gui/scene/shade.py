@@ -25,7 +25,7 @@ PIXEL = 0.004
 HIGH = 0.15
 """[m] Above the table: what is higher darkens nothing."""
 
-REACH = 0.002
+SAME_TOP_WITHIN = 0.002
 """[m] Tops that differ by no more are one surface."""
 
 SOFT = (0.008, 0.035)
@@ -34,7 +34,7 @@ SOFT = (0.008, 0.035)
 DARKEST = 0.5
 """Of the image, 0..1."""
 
-SAMPLES = 5_000
+POINTS_A_BODY = 5_000
 """Points on each body."""
 
 MOST_PIXELS = 1000
@@ -59,14 +59,14 @@ def shade_of(cell: Cell) -> Shade | None:
     Same cell, same shade.
     """
     fixed = [_surface(s, f.T_world_fixture) for f in surfaces(cell) for s in f.solids]
-    foot = float(cell.bin.T_world_bin.translation[2]) + REACH
+    foot = float(cell.bin.T_world_bin.translation[2]) + SAME_TOP_WITHIN
     tops = [body.bounds[1, 2] for body in fixed if body.bounds[1, 2] <= foot]
     if not tops:
         return None
     height = float(max(tops))
-    under = [body for body in fixed if abs(body.bounds[1, 2] - height) <= REACH]
+    under = [body for body in fixed if abs(body.bounds[1, 2] - height) <= SAME_TOP_WITHIN]
     bodies = [*fixed, *(_surface(s, cell.bin.T_world_bin) for s in cell.bin.solids)]
-    over = [body for body in bodies if body.bounds[1, 2] > height + REACH]
+    over = [body for body in bodies if body.bounds[1, 2] > height + SAME_TOP_WITHIN]
     if not over:
         return None
     low = np.min([body.bounds[0, :2] for body in under], axis=0)
@@ -76,7 +76,7 @@ def shade_of(cell: Cell) -> Shade | None:
         return None
     dark = np.zeros(pixels)
     for body in over:
-        points = np.asarray(trimesh.sample.sample_surface(body, SAMPLES, seed=0)[0])
+        points = np.asarray(trimesh.sample.sample_surface(body, POINTS_A_BODY, seed=0)[0])
         points = points[(points[:, 2] > height - 0.001) & (points[:, 2] < height + HIGH)]
         at = np.floor((points[:, :2] - low) / PIXEL).astype(int)
         inside = np.all((at >= 0) & (at < pixels), axis=1)

@@ -24,7 +24,7 @@ T_WORLD_STAGE = pin.SE3(np.eye(3), np.array([0.0, 0.0, 1000.0]))
 """Where the part is: this far above the cell that nothing of it is seen."""
 
 PART_COLOUR = (173, 181, 189)
-AXES = 0.8
+AXIS_LENGTH = 0.8
 """Length of the part's axes by its size."""
 
 STEM = 0.12
@@ -67,7 +67,7 @@ class GraspStage:
         self._size = size_of(part)
         root = self._scene.add_frame(
             STAGE,
-            axes_length=self._size * AXES,
+            axes_length=self._size * AXIS_LENGTH,
             axes_radius=self._size * 0.006,
             origin_radius=self._size * 0.012,
         )

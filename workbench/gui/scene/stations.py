@@ -23,7 +23,7 @@ from workbench.model.scan import Detection
 ABOVE = 0.0003
 """[m] A mark lies so much above the surface that it marks."""
 
-SAME = 0.001
+SAME_PART_WITHIN = 0.001
 """[m] Parts no farther apart are one and the same."""
 
 
@@ -136,4 +136,4 @@ def _is_shown(view: View, detection: Detection, Ts_world_part: Sequence[pin.SE3]
 
 def _are_one(T_world_part: pin.SE3, detection: Detection) -> bool:
     away = T_world_part.translation - detection.T_world_part.translation
-    return float(np.linalg.norm(away)) < SAME
+    return float(np.linalg.norm(away)) < SAME_PART_WITHIN

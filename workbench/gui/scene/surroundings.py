@@ -30,7 +30,9 @@ ASPECT = 1.2
 FILLED = 0.88
 """This much of the picture is used; the rest is margin."""
 
-BESIDE = np.array([[0.08, 0.0, -0.1], [-0.08, 0.0, -0.1], [0.0, 0.08, -0.1], [0.0, -0.08, -0.1]])
+SURROUNDING_POINTS = np.array(
+    [[0.08, 0.0, -0.1], [-0.08, 0.0, -0.1], [0.0, 0.08, -0.1], [0.0, -0.08, -0.1]]
+)
 """Around and below a place [m], since parts are put down on something."""
 
 
@@ -281,7 +283,7 @@ def interesting_points(cell: Cell) -> Floats:
     ]
     Ts = [T for arm in cell.arms for T in arm.Ts_world_place]
     Ts += [part_place.T_world_part for arm in cell.arms for part_place in arm.part_places]
-    places = [T.translation + beside for T in Ts for beside in BESIDE]
+    places = [T.translation + beside for T in Ts for beside in SURROUNDING_POINTS]
     links = [T.translation for T in Kinematics(cell).link_poses({}).values()]
     return np.array([*corners, *places, *links, cell.scanner.T_world_scanner.translation])
 

@@ -14,10 +14,10 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.kinematics.robot import Kinematics
 
-NEAR = 0.025
+KNOWN_WITHIN = 0.025
 """[m] Points further from everything known than this belong to something else, and are grey."""
 
-CLOSE, OFF = 0.002, 0.005
+GREEN_WITHIN, AMBER_WITHIN = 0.002, 0.005
 """[m] Up to here a point near something known is green, and amber; beyond it is red."""
 
 
@@ -69,10 +69,10 @@ def overlay(state: State, observation: PlateObservation, found: Calibration | No
     links = Kinematics(cell).link_poses(cell.joint_values({observation.arm: observation.q}))
     away = distances_to_cell(cell, links, points)
     colours = np.full((len(points), 3), BESIDE_BIN, dtype=np.uint8)
-    near = away < NEAR
+    near = away < KNOWN_WITHIN
     colours[near] = rgb_of(BAD)
-    colours[away < OFF] = rgb_of(BUSY)
-    colours[away < CLOSE] = rgb_of(GOOD)
+    colours[away < AMBER_WITHIN] = rgb_of(BUSY)
+    colours[away < GREEN_WITHIN] = rgb_of(GOOD)
     balls = observation.balls @ T.rotation.T + T.translation
     middle = float(np.median(away[near])) if near.any() else None
     radius = observation.plate.radius

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.app.calibration.calibration import corner_errors, moved_by
 from workbench.app.core.state import State
-from workbench.gui.shared.calibrating import CLOSE, OFF, Overlay
+from workbench.gui.shared.calibrating import AMBER_WITHIN, GREEN_WITHIN, Overlay
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED, badge
 from workbench.gui.shared.tables import clickable, mark_attribute
 from workbench.gui.shared.views import day_and_time, line, mm, sentence, table_html
@@ -233,4 +233,4 @@ def overlay_line(shown: Overlay | None, *, is_carried: bool, words: Words = IN_E
     if shown.middle is not None:
         middle = CalibrationText.OVERLAY_MIDDLE(distance=shown.middle)
     over = CalibrationText.OVERLAY_CELL if is_carried else CalibrationText.OVERLAY
-    return line(words.render(over(middle=middle, close=CLOSE, off=OFF)))
+    return line(words.render(over(middle=middle, close=GREEN_WITHIN, off=AMBER_WITHIN)))

@@ -39,7 +39,7 @@ a margin is a warning."""
 BRIGHT = 0.183
 """Luminance, 0 to 1, from which white letters have a contrast below 4.5."""
 
-KINDS = tuple(Reason)
+VERDICT_KINDS = tuple(Reason)
 """All kinds of verdicts, in the order in which the page lists them."""
 
 

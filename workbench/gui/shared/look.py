@@ -21,7 +21,7 @@ from workbench.model.scan import RejectedHypothesis
 from workbench.planning.collision.contact import Contact
 from workbench.planning.picking.nearest_fix import Fix
 
-SAME = np.deg2rad(2.0)
+HIDDEN_WITHIN = np.deg2rad(2.0)
 """Up to here a robot that is planned would only hide the real one [rad]."""
 
 CLOCK = frozenset({"time", "is_playing"})
@@ -261,7 +261,7 @@ class View:
         is_placed = self.is_reported or self.was_reported
         if self.state.plan is None or not (is_placed or self.is_previewed):
             return frozenset()
-        return self._elsewhere(SAME)
+        return self._elsewhere(HIDDEN_WITHIN)
 
     def _elsewhere(self, least: float) -> frozenset[str]:
         real, planned = self.real, self.moments

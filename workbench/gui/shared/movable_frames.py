@@ -224,7 +224,7 @@ Three = tuple[float, float, float]
 
 ANGLES = ("roll", "pitch", "yaw")
 
-ALIKE = 2e-5
+SAME_TURN = 2e-5
 """[rad] So little two turns differ when their angles are rounded to 0.001 degrees."""
 
 
@@ -237,7 +237,7 @@ def shown_pose(T: pin.SE3) -> tuple[Three, Three]:
     side = np.copysign(1.0, rpy[1])
     upright = np.array([0.0, side * 90.0, _within(rpy[2] - side * rpy[0])])
     turned = T.actInv(pose_from_rpy(T.translation, np.deg2rad(upright)))
-    if np.linalg.norm(pin.log3(turned.rotation)) <= ALIKE:
+    if np.linalg.norm(pin.log3(turned.rotation)) <= SAME_TURN:
         rpy = upright
     x, y, z = (float(v) for v in np.round(T.translation * 1000, 2) + 0.0)
     roll, pitch, yaw = (_within(float(v)) for v in np.round(rpy, 3) + 0.0)

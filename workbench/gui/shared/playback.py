@@ -22,7 +22,7 @@ AHEAD = 2.0
 AHEAD_STEP = 0.02
 """In which steps [s]."""
 
-NEAR = 0.05
+ARRIVED_WITHIN = 0.05
 """The robot is surely there [rad]."""
 
 NOWHERE = 0.3
@@ -209,7 +209,7 @@ def follow_plan(
         away = np.maximum(away, np.abs(arm_path(arm, runs, times) - reported).max(axis=1))
     leads_away = np.flatnonzero(np.diff(away) >= 0)
     best = int(leads_away[0]) if len(leads_away) else len(times) - 1
-    if away[best] > NEAR:
+    if away[best] > ARRIVED_WITHIN:
         best = int(np.argmin(away))
     if away[best] > NOWHERE:
         return since

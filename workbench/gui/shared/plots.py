@@ -13,7 +13,7 @@ import numpy as np
 
 from workbench.model.geometry import Floats
 
-WIDE, HIGH = 1000.0, 100.0
+PLOT_WIDTH, PLOT_HEIGHT = 1000.0, 100.0
 """Of the drawing, in its own units: it is stretched to the room there is."""
 
 MOST_TICKS = 5
@@ -96,7 +96,8 @@ def plot_html(plot: Plot, end: float, slider: str = "") -> str:
         f'<div class="wb-plot"><div class="wb-plot-title"><span>{escape(plot.title)}</span> '
         f"[{escape(plot.unit)}]</div>"
         f'<div class="wb-canvas"{goes}>{across}'
-        f'<svg viewBox="0 0 {WIDE:g} {HIGH:g}" preserveAspectRatio="none" aria-hidden="true">'
+        f'<svg viewBox="0 0 {PLOT_WIDTH:g} {PLOT_HEIGHT:g}" preserveAspectRatio="none" '
+        f'aria-hidden="true">'
         f"{lines}</svg>{cursor}</div>{_along(begin, end, plot.along)}</div>"
     )
 
@@ -126,8 +127,8 @@ def _line(
     times: Floats, curve: Curve, bounds: tuple[float, float], along: tuple[float, float]
 ) -> str:
     (low, high), (begin, end) = bounds, along
-    x = WIDE * (times - begin) / max(end - begin, 1e-9)
-    y = HIGH * (high - curve.values) / (high - low)
+    x = PLOT_WIDTH * (times - begin) / max(end - begin, 1e-9)
+    y = PLOT_HEIGHT * (high - curve.values) / (high - low)
     pieces: list[str] = []
     is_down = False
     for across, down in zip(x.tolist(), y.tolist(), strict=True):

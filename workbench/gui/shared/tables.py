@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Literal
 
-from workbench.gui.shared.colours import BAD, GOOD, KINDS, badge, verdict_colour
+from workbench.gui.shared.colours import BAD, GOOD, VERDICT_KINDS, badge, verdict_colour
 from workbench.gui.shared.views import mm
 from workbench.model.candidate import Candidate, Reason, Stage
 from workbench.words.words import IN_ENGLISH, Words
@@ -196,7 +196,7 @@ def funnel_html(
             only is kind,
             buttons[kind],
         )
-        for kind in KINDS
+        for kind in VERDICT_KINDS
         if counts[kind]
     ]
     return f'<div class="wb-funnel">{"".join(chips)}</div>'

@@ -9,7 +9,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import plain
 
-MOST = 1000
+MOST_NUMBERS = 1000
 """Numbers in one list."""
 
 _NUMBER = r"(?:[-+]?\d{1,9}(?:\.\d{0,9})?|[-+]?\.\d{1,9})"
@@ -24,7 +24,7 @@ def numbers_in(text: str, name: str) -> tuple[float, ...]:
         name: of the field, for the message.
 
     Raises:
-        InputError: it is neither, or stands for more than `MOST` numbers.
+        InputError: it is neither, or stands for more than `MOST_NUMBERS` numbers.
     """
     steps = _STEPS.fullmatch(text.strip())
     if steps:
@@ -39,8 +39,8 @@ def numbers_in(text: str, name: str) -> tuple[float, ...]:
 
 
 def _check(count: int, name: str) -> None:
-    if not 1 <= count <= MOST:
-        raise InputError(GraspText.COUNT_EXPECTED(name=plain(name), most=MOST, count=count))
+    if not 1 <= count <= MOST_NUMBERS:
+        raise InputError(GraspText.COUNT_EXPECTED(name=plain(name), most=MOST_NUMBERS, count=count))
 
 
 def shown_numbers(values: tuple[float, ...]) -> str:

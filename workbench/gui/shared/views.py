@@ -34,7 +34,7 @@ from workbench.perception.bins.fill_level import parts_in_words
 from workbench.proof.claims.clearance import bounds_message
 from workbench.words.words import IN_ENGLISH, Words
 
-STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
+CYCLE_STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
 
 REACHED = {
     Phase.IDLE: 0,
@@ -125,7 +125,7 @@ def strip_html(state: State) -> str:
     step = None if job is None else JOB_STEPS.get(job.name)
     current = done if step is None else step
     items: list[str] = []
-    for number, name in enumerate(STEPS):
+    for number, name in enumerate(CYCLE_STEPS):
         is_skipped = is_to_view and number < BEFORE_PLAN
         look = "done" if number < done and not is_skipped else "ahead"
         if number == current:

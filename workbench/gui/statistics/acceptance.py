@@ -11,7 +11,7 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
 from workbench.plugins.extras import from_extra
 
-FILE = "acceptance.html"
+ACCEPTANCE_FILE = "acceptance.html"
 
 
 class AcceptanceControls:
@@ -64,4 +64,4 @@ class AcceptanceControls:
         page = from_extra("evidence.acceptance:acceptance_page")
         session = bench.folder.name, *bench.head
         content = page(view.state, session, view.statistics, targets, view.at)
-        self._visitor.client.send_file_download(FILE, content)
+        self._visitor.client.send_file_download(ACCEPTANCE_FILE, content)

@@ -19,7 +19,7 @@ from workbench.gui.statistics.learning import LearningControls
 from workbench.gui.statistics.restoring import RestoreControls
 from workbench.gui.statistics.views import statistics_html
 
-FILE = "workbench-statistics.csv"
+STATISTICS_FILE = "workbench-statistics.csv"
 
 WHOLE = "Of the whole session, whichever entry is looked at."
 
@@ -78,7 +78,7 @@ class StatisticsPanel:
     def _download(self) -> None:
         if self._shown is not None:
             content = csv_text(self._shown.statistics).encode()
-            self._visitor.client.send_file_download(FILE, content)
+            self._visitor.client.send_file_download(STATISTICS_FILE, content)
 
 
 def _stages(cycles: Sequence[CycleRecord]) -> str:

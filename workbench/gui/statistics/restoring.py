@@ -13,7 +13,7 @@ import viser
 
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.state import State
-from workbench.app.records.keeping import KINDS, write_backup
+from workbench.app.records.keeping import BACKED_UP_FOLDERS, write_backup
 from workbench.app.records.restoring import Thing, look_apart, restore_apart
 from workbench.formats.files.change_log import LOG, add_line, utc
 from workbench.formats.files.whole_files import make_folder, sent_name, write_upload
@@ -146,7 +146,7 @@ class RestoreControls:
             make_folder(BACKUPS)
             at = time.time()
             before = BACKUPS / f"before-{utc(at).replace(':', '')}.zip"
-            write_backup(Path.cwd(), before, KINDS[:-1], {})
+            write_backup(Path.cwd(), before, BACKED_UP_FOLDERS[:-1], {})
             self._check()  # that may have taken a while
             with chosen.opened() as file:
                 things = restore_apart(file, Path.cwd())

@@ -12,7 +12,7 @@ from workbench.app.core.state import State
 from workbench.formats.cells.drawn_tools import CadDrawing
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import sent_name
-from workbench.formats.meshes.cad_files import KINDS
+from workbench.formats.meshes.cad_files import CAD_ENDINGS
 from workbench.formats.meshes.cad_look import CadLook
 from workbench.formats.parts.new_part import name_after
 from workbench.gui.shared.views import line
@@ -63,7 +63,7 @@ class CadPick:
         self.look: CadLook | None = None
         gui = visitor.gui
         self._pick = gui.add_upload_button(
-            label, icon=viser.Icon.UPLOAD, color="gray", hint=", ".join(KINDS)
+            label, icon=viser.Icon.UPLOAD, color="gray", hint=", ".join(CAD_ENDINGS)
         )
         self._style = gui.add_html(hidden_css([]))
         self._line = gui.add_html(line("Nothing chosen yet.", kind="hint"))

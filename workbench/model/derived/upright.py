@@ -6,10 +6,10 @@ from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.model.scan import Detection
 
-SAME = 1e-6
+PARALLEL_WITHIN = 1e-6
 """Directions whose cosine is by so much from 1 are one."""
 
-STEPS = 24
+TURNS_TRIED = 24
 """Turns of a round part, of which one may leave it upside down."""
 
 
@@ -53,5 +53,5 @@ def leans_too_far(part: Part, found: Detection, R_world_part: Floats) -> float |
 
 def _is_alike_upside_down(part: Part, axis: Floats) -> bool:
     """Whether some turn of a part's symmetry reverses an axis (3,)."""
-    ends = part.symmetry.motions(STEPS)[:, :3, :3] @ axis @ axis
-    return bool((ends < SAME - 1.0).any())
+    ends = part.symmetry.motions(TURNS_TRIED)[:, :3, :3] @ axis @ axis
+    return bool((ends < PARALLEL_WITHIN - 1.0).any())

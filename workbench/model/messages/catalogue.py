@@ -183,11 +183,11 @@ TEXTS: Mapping[str, Text] = MappingProxyType(
 )
 
 
-DEEPEST = 12
+MOST_LEVELS = 12
 """Messages within messages that are read."""
 
 
-def message_of(form: Any, depth: int = DEEPEST) -> Message:
+def message_of(form: Any, depth: int = MOST_LEVELS) -> Message:
     """The message whose JSON this is: a text without an id, or one with its arguments.
 
     One whose id or arguments this version does not know reads as both.

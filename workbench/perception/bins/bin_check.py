@@ -16,22 +16,22 @@ from workbench.model.messages.calibration import BinText
 from workbench.model.messages.message import Message
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
-from workbench.perception.bins.bin_fit import FARTHEST, as_in_cell, fit_bin
+from workbench.perception.bins.bin_fit import SEARCHED_WITHIN, as_in_cell, fit_bin
 from workbench.perception.bins.fill_level import LOW, Filling, filled
 
-REACH = 0.08
+SEARCHED_AROUND = 0.08
 """[m] Around the bin that the rim is searched for."""
 
 BAND = 0.02
 """[m] Above and below its height."""
 
-ENOUGH, RIM_POINTS = 60_000, 1500
+MOST_POINTS, RIM_POINTS = 60_000, 1500
 """Points of the scan, and of the rim, that are checked; of more every second, third, ..."""
 
 SCALES = (0.04, 0.04, 0.03, 0.02, 0.02, 0.01, 0.01, 0.006, 0.004, 0.004)
 """[m] Distances from which points no longer pull, step by step."""
 
-NARROW = 5
+NARROW_FROM_STEP = 5
 """The steps from this one on are for a place that is nearly right."""
 
 ON_RIM = 0.003
@@ -40,14 +40,14 @@ ON_RIM = 0.003
 OUTSIDE = (0.005, 0.013)
 """[m] Outside of the middle of a rim there is nothing as high as itself; on a heap there is."""
 
-STEP = 0.01
+RIM_PIECE = 0.01
 """[m] Length of the pieces into which the rim is divided, each seen or not."""
 
-SEEN, SURE, BETTER = 0.4, 0.75, 0.2
+SEEN_SHARE, SURE_SHARE, BETTER_BY = 0.4, 0.75, 0.2
 """Share of the rim that must be seen; beyond which no other place is tried; and by which another
 place must show more of it than where the bin should be."""
 
-SHIFTED, TURNED = 0.003, np.deg2rad(1.0)
+MOVED_DISTANCE, MOVED_TURN = 0.003, np.deg2rad(1.0)
 """[m, rad] More than this the bin is somewhere else."""
 
 OVER, FULL = 0.01, 0.5
@@ -69,19 +69,19 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
         bin: as the cell has it.
     """
     T_bin_scanner = bin.T_world_bin.actInv(scan.T_world_scanner)
-    points = scan.points[:: -(-len(scan.points) // ENOUGH)]
+    points = scan.points[:: -(-len(scan.points) // MOST_POINTS)]
     p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
     if not bin.has_walls:
         return _check_surface(p_bin, bin)
     T = rim_place(p_bin, bin)
     if T is None:
         above = filled(p_bin, bin, as_in_cell()).above
-        finding = BinText.NO_RIM(reach=REACH)
+        finding = BinText.NO_RIM(reach=SEARCHED_AROUND)
         if above > OVER:
-            finding = BinText.RIM_COVERED(reach=REACH, above=above)
+            finding = BinText.RIM_COVERED(reach=SEARCHED_AROUND, above=above)
         return BinCheck(None, 0.0, 0.0, None, above, "bad", (finding,))
     shift, turn = shift_and_turn(T)
-    is_elsewhere = shift > SHIFTED or turn > TURNED
+    is_elsewhere = shift > MOVED_DISTANCE or turn > MOVED_TURN
     p_bin = (p_bin - T.translation) @ T.rotation
     seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
     filling = filled(p_bin, bin, seen)
@@ -94,7 +94,7 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     if is_elsewhere:
         x, y, z = (f"{value:+.1f}" for value in np.round(T.translation * 1000, 1) + 0.0)
         findings.append(BinText.MOVED(shift=shift, turn=turn, x=x, y=y, z=z))
-    if abs(seen.floor[0]) > SHIFTED:
+    if abs(seen.floor[0]) > MOVED_DISTANCE:
         off = BinText.FLOOR_HIGHER if seen.floor[0] > 0 else BinText.FLOOR_LOWER
         findings.append(off(off=float(abs(seen.floor[0]))))
     is_empty = _is_empty(filling, findings)
@@ -126,12 +126,12 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
     elif above > OVER:
         findings.append(BinText.STANDS_TOO_HIGH(above=above, height=height))
     if not seen.is_floor_seen:
-        findings.append(BinText.NO_SURFACE(reach=FARTHEST))
+        findings.append(BinText.NO_SURFACE(reach=SEARCHED_WITHIN))
         return BinCheck(None, 0.0, 0.0, None, above, "bad", tuple(findings), has_walls=False)
     lean_x, lean_y = np.arctan2(2 * seen.floor[1:3], bin.size[:2])
     T = pose_from_rpy((0, 0, seen.floor[0]), (lean_y, -lean_x, 0))
     shift, turn = shift_and_turn(T)
-    is_elsewhere = shift > SHIFTED or turn > TURNED
+    is_elsewhere = shift > MOVED_DISTANCE or turn > MOVED_TURN
     if is_elsewhere:
         off = f"{seen.floor[0] * 1000:+.1f}"
         findings.append(BinText.SURFACE_MOVED(off=off, turn=turn))
@@ -178,21 +178,23 @@ def rim_place(p_bin: Floats, bin: Bin) -> pin.SE3 | None:
         bin: its size.
     """
     height, half = float(bin.size[2]), _half(bin)
-    near = (np.abs(p_bin[:, :2]) < half + REACH).all(axis=1) & (abs(p_bin[:, 2] - height) < BAND)
+    near = (np.abs(p_bin[:, :2]) < half + SEARCHED_AROUND).all(axis=1) & (
+        abs(p_bin[:, 2] - height) < BAND
+    )
     rim = p_bin[near]
     rim = rim[:: -(-len(rim) // RIM_POINTS)] if len(rim) else rim
     best = (0.0, np.zeros(3))
     for number, start in enumerate(_starts()):
         # First only near where it should be: a heap pulls at whatever looks further.
-        place = _fit(rim[:, :2], half, start, SCALES[NARROW:] if number == 0 else SCALES)
+        place = _fit(rim[:, :2], half, start, SCALES[NARROW_FROM_STEP:] if number == 0 else SCALES)
         share = _share_seen(rim[:, :2], half, place)
         # What is nearest to where it should be is preferred: a heap has edges, too.
-        if share > best[0] + (BETTER if best[0] >= SEEN else 0.0):
+        if share > best[0] + (BETTER_BY if best[0] >= SEEN_SHARE else 0.0):
             best = share, place
-        if best[0] > SURE:
+        if best[0] > SURE_SHARE:
             break
     share, place = best
-    if share < SEEN:
+    if share < SEEN_SHARE:
         return None
     plane = _plane(rim, half, place)
     # What belongs to the walls below the rim pulls inwards: now that its height is known, it is
@@ -271,12 +273,12 @@ def _share_seen(points: Floats, half: Floats, place: Floats) -> float:
     on, outside = np.abs(off) < ON_RIM, (off > OUTSIDE[0]) & (off < OUTSIDE[1])
     seen, total = 0, 0
     for along, across in ((1, 0), (0, 1)):
-        pieces = max(1, int(2 * half[along] / STEP))
+        pieces = max(1, int(2 * half[along] / RIM_PIECE))
         at = np.clip((local[:, along] / (2 * half[along]) + 0.5) * pieces, 0, pieces - 1)
         piece = at.astype(int) + pieces * (signs[:, across] > 0)
         side = is_x if across == 0 else ~is_x
         shown = np.setdiff1d(piece[side & on], piece[side & outside])
-        if len(shown) < SEEN * pieces:
+        if len(shown) < SEEN_SHARE * pieces:
             return 0.0
         seen, total = seen + len(shown), total + 2 * pieces
     return seen / total

@@ -15,7 +15,7 @@ from numba import njit
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Bin
 
-FARTHEST, STEEPEST = 0.008, float(np.deg2rad(2.0))
+SEARCHED_WITHIN, STEEPEST = 0.008, float(np.deg2rad(2.0))
 """[m, rad] Floor and walls are searched for this near to where the cell has them."""
 
 GATE, GATE_OVER_NOISE = 0.002, 4.0
@@ -41,7 +41,7 @@ is seen in a corner only is not continued steeply."""
 TILES = 16
 """A surface is divided into this many pieces along each side, each seen or not."""
 
-FEWEST = 4
+FEWEST_POINTS = 4
 """Points on a piece with which it is seen."""
 
 SEEN_FLOOR, SEEN_WALL = 0.04, 0.15
@@ -111,7 +111,7 @@ def fit_bin(points: Floats, T_bin_points: pin.SE3, bin: Bin, *, noise: float) ->
         noise: [m] deviation of the points as far as it is known.
     """
     gate = max(GATE, GATE_OVER_NOISE * noise)
-    slack = FARTHEST + np.tan(STEEPEST) * float(np.linalg.norm(bin.size)) / 2 + gate
+    slack = SEARCHED_WITHIN + np.tan(STEEPEST) * float(np.linalg.norm(bin.size)) / 2 + gate
     reach = np.array([*(bin.size[:2] / 2 + slack), bin.size[2]])
     near = _near(points, np.ascontiguousarray(T_bin_points.homogeneous), reach, -slack)
     floor, share, deviation = _floor(near, bin.size, gate, slack)
@@ -216,7 +216,7 @@ def _share(u: Floats, v: Floats, on: np.ndarray) -> float:
     tile = index[0] * TILES + index[1]
     total = np.bincount(tile, minlength=TILES**2)
     there = np.bincount(tile[on], minlength=TILES**2)
-    return float(np.mean((there >= FEWEST) & (2 * there >= total)))
+    return float(np.mean((there >= FEWEST_POINTS) & (2 * there >= total)))
 
 
 def _share_measured(near: Floats, size: Floats) -> float:
@@ -236,7 +236,7 @@ def _fit(rows: Floats, values: Floats, tilts: Floats, gate: float, linear: int) 
         return None
     values = np.ascontiguousarray(values)
     step = max(1, -(-len(values) // MOST_SEARCHED))
-    offsets = np.arange(-FARTHEST, FARTHEST + 1e-9, OFFSET_STEP)
+    offsets = np.arange(-SEARCHED_WITHIN, SEARCHED_WITHIN + 1e-9, OFFSET_STEP)
     count = round(STEEPEST / TILT_STEP)
     steps = np.arange(-count, count + 1) / count
     best = _search(

@@ -13,16 +13,16 @@ from workbench.model.geometry import Floats
 from workbench.perception.bins.bin_search import rectangle_around
 from workbench.perception.bins.floor_search import find_floor
 
-MOST = 30_000
+MOST_POINTS = 30_000
 """Points that are checked; of more every second, third, ..."""
 
 LOWEST, HIGHEST = 0.015, 0.8
 """[m] Heights of a rim over the floor."""
 
-LEVEL, STEP = 0.004, 0.002
+LEVEL, RING_SPACING = 0.004, 0.002
 """[m] Half the height of a ring, and the distance of the rings that are tried."""
 
-NEAR, PIECE = 0.01, 0.01
+WALL_WITHIN, PIECE = 0.01, 0.01
 """[m] Points this near to a side of the ring's rectangle are of its walls: those of cartons are
 bent.  Sides are divided in pieces of this length, each shown or not."""
 
@@ -32,13 +32,13 @@ SHOWN, LEAST_SHOWN = 0.6, 0.5
 HOLLOW = 0.5
 """Share of the points at the ring's height that are of its walls, at least."""
 
-ALIKE = 0.9
+SAME_BIN_SHARE = 0.9
 """Rings around this share of the area of the largest one are rings of the same bin."""
 
 LEVELLED = float(np.cos(np.deg2rad(2.0)))
 """Cosine between the normals of the floor within a bin and of what it stands on, at least."""
 
-FEWEST, NARROWEST = 100, 0.1
+FEWEST_POINTS, NARROWEST_BIN = 100, 0.1
 """Points of a ring at least, and [m] the shorter side of the smallest bin."""
 
 TOP = 90.0
@@ -62,7 +62,7 @@ def measure_bin(points: Floats) -> MeasuredBin | None:
     Args:
         points: (n, 3) [m] in the scanner's frame.
     """
-    points = points[:: max(1, len(points) // MOST)]
+    points = points[:: max(1, len(points) // MOST_POINTS)]
     floor = find_floor(points)
     if floor is None:
         return None
@@ -71,7 +71,7 @@ def measure_bin(points: Floats) -> MeasuredBin | None:
         return None
     # A table around the bin is a floor as well, and tilts it: that within the ring counts.
     local = (over - rim.T_floor_ring.translation) @ rim.T_floor_ring.rotation
-    inside = (np.abs(local[:, :2]) < np.array(rim.outside) / 2 - NEAR).all(axis=1)
+    inside = (np.abs(local[:, :2]) < np.array(rim.outside) / 2 - WALL_WITHIN).all(axis=1)
     inner = find_floor(points[inside & (local[:, 2] < -LEVEL)])
     if inner is not None and inner[0].rotation[:, 2] @ floor[0].rotation[:, 2] > LEVELLED:
         over_inner, rim_inner = _find_rim(points, inner[0])
@@ -85,7 +85,9 @@ def _find_rim(points: Floats, T_scanner_floor: pin.SE3) -> tuple[Floats, "_Ring 
     over = (points - T_scanner_floor.translation) @ T_scanner_floor.rotation
     rings = list(_rings(over))
     largest = max((np.prod(ring.outside) for ring in rings), default=0.0)
-    return over, next((ring for ring in rings if np.prod(ring.outside) >= ALIKE * largest), None)
+    return over, next(
+        (ring for ring in rings if np.prod(ring.outside) >= SAME_BIN_SHARE * largest), None
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,12 +101,12 @@ class _Ring:
 def _rings(over: Floats) -> Iterator[_Ring]:
     """The rings that points (n, 3) [m] over the floor show, the highest first."""
     top = min(float(np.percentile(over[:, 2], 99.9)), HIGHEST)
-    for height in np.arange(top, LOWEST, -STEP):
+    for height in np.arange(top, LOWEST, -RING_SPACING):
         points = over[np.abs(over[:, 2] - height) < LEVEL]
-        if len(points) < FEWEST:
+        if len(points) < FEWEST_POINTS:
             continue
         T_floor_ring, outside = rectangle_around(points, np.array([0.0, 0.0, 1.0]), float(height))
-        if outside[1] >= NARROWEST and _is_rim(points, T_floor_ring, np.array(outside)):
+        if outside[1] >= NARROWEST_BIN and _is_rim(points, T_floor_ring, np.array(outside)):
             yield _Ring(T_floor_ring, outside)
 
 
@@ -117,7 +119,7 @@ def _is_rim(ring: Floats, T_floor_ring: pin.SE3, outside: Floats) -> bool:
     is_wall = np.zeros(len(local), np.bool_)
     for along, across in ((1, 0), (0, 1)):
         for sign in (-1.0, 1.0):
-            near = np.abs(sign * local[:, across] - half[across]) < NEAR
+            near = np.abs(sign * local[:, across] - half[across]) < WALL_WITHIN
             is_wall |= near
             pieces = max(1, int(outside[along] / PIECE))
             at = np.clip((local[near, along] / outside[along] + 0.5) * pieces, 0, pieces - 1)
@@ -131,5 +133,5 @@ def _top(over: Floats, ring: _Ring) -> float:
     """How high the walls are [m] whose highest ring that is."""
     local = (over - ring.T_floor_ring.translation) @ ring.T_floor_ring.rotation
     beyond = (np.abs(local[:, :2]) - np.array(ring.outside) / 2).max(axis=1)
-    wall = over[(np.abs(beyond) < NEAR) & (np.abs(local[:, 2]) < 2 * LEVEL), 2]
+    wall = over[(np.abs(beyond) < WALL_WITHIN) & (np.abs(local[:, 2]) < 2 * LEVEL), 2]
     return float(np.percentile(wall, TOP))

@@ -16,19 +16,19 @@ from workbench.model.part import Bin
 from workbench.perception.bins.bin_check import BAND, rim_place
 from workbench.perception.bins.floor_search import find_floor
 
-MOST, ROUNDS, PLANES = 20_000, 300, 4
+MOST_POINTS, PLANES_TRIED, MOST_SURFACES = 20_000, 300, 4
 """Points that are checked, planes tried for each surface, and how many surfaces."""
 
 GATE = 0.004
 """[m] A point this near to a plane lies on it."""
 
-FEWEST = 0.02
+LEAST_SHARE = 0.02
 """Share of the points that a surface has at least."""
 
 OUTLYING = 0.5
 """[percent] Of the points of a rim may lie further out."""
 
-ALIKE = 0.15
+AREA_TOLERANCE = 0.15
 """Share by which the rectangle may be larger or smaller than the rim."""
 
 
@@ -60,17 +60,17 @@ def find_bin(points: Floats, bin: Bin) -> FoundBin:
     """
     if not bin.has_walls:
         return FoundBin(None, None)
-    left = points[:: max(1, len(points) // MOST)]
+    left = points[:: max(1, len(points) // MOST_POINTS)]
     every, rng = left, np.random.default_rng(0)
     wanted = np.sort(np.asarray(bin.size[:2]) + 2 * bin.wall)[::-1]
     seen: tuple[float, float] | None = None
     for normal, height in _floors(every, rng):
         over = every @ normal - height
         rim = every[np.abs(over - bin.size[2]) < BAND / 2]
-        if len(rim) < 3 * PLANES:
+        if len(rim) < 3 * MOST_SURFACES:
             continue
         T_scanner_guess, rectangle = rectangle_around(rim, normal, height)
-        if not (np.abs(np.array(rectangle) / wanted - 1) < ALIKE).all():
+        if not (np.abs(np.array(rectangle) / wanted - 1) < AREA_TOLERANCE).all():
             seen = seen or rectangle
             continue
         if _is_seen_through(every, T_scanner_guess, rectangle):
@@ -92,7 +92,7 @@ def _floors(points: Floats, rng: np.random.Generator) -> Iterator[tuple[Floats, 
         normal = floor[0].rotation[:, 2]
         yield normal, float(normal @ floor[0].translation)
     left = points
-    for _ in range(PLANES):
+    for _ in range(MOST_SURFACES):
         plane = _plane(left, rng)
         if plane is None:
             return
@@ -114,9 +114,9 @@ def _plane(points: Floats, rng: np.random.Generator) -> tuple[Floats, float, np.
     """Normal towards the scanner, offset along it [m], and which points lie on the best plane."""
     if len(points) < 100:
         return None
-    best, most = None, FEWEST * len(points)
+    best, most = None, LEAST_SHARE * len(points)
     few = points[:: max(1, len(points) // 2000)]
-    for _ in range(ROUNDS):
+    for _ in range(PLANES_TRIED):
         a, b, c = few[rng.choice(len(few), 3, replace=False)]
         normal = np.cross(b - a, c - a)
         length = float(np.linalg.norm(normal))

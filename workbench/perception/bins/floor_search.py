@@ -10,7 +10,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 
-MOST, ROUNDS = 4_000, 6_000
+MOST_POINTS, PLANES_TRIED = 4_000, 6_000
 """Points that are checked, and planes that are tried."""
 
 GATE = 0.006
@@ -22,7 +22,7 @@ GATES = (0.006, 0.006, 0.004, 0.003, 0.003)
 BEHIND = 2.0
 """What a point behind the plane counts against one on it."""
 
-FEWEST = 0.02
+LEAST_SHARE = 0.02
 """Share of the points that a floor has at least, after those behind it are taken off."""
 
 STEEPEST = float(np.cos(np.deg2rad(45.0)))
@@ -42,12 +42,12 @@ def find_floor(points: Floats) -> tuple[pin.SE3, Floats] | None:
         A frame in the middle of what is seen over the floor, z towards the scanner and x along the
         scanner's own; and the sides (2,) [m] of what is seen, along x and y.
     """
-    few = np.ascontiguousarray(points[:: max(1, len(points) // MOST)])
+    few = np.ascontiguousarray(points[:: max(1, len(points) // MOST_POINTS)])
     if len(few) < 3:
         return None
-    drawn = np.random.default_rng(0).integers(len(few), size=(ROUNDS, 3))
+    drawn = np.random.default_rng(0).integers(len(few), size=(PLANES_TRIED, 3))
     normal, height, value = _search(few, drawn, GATE, STEEPEST)
-    if value < FEWEST * len(few):
+    if value < LEAST_SHARE * len(few):
         return None
     for gate in GATES:
         on = np.abs(few @ normal - height) < gate

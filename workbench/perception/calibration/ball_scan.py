@@ -7,9 +7,9 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.messages.calibration import VerifyText
 from workbench.model.scan import Scan
-from workbench.perception.calibration.balls import FEWEST, choose_balls, find_balls
+from workbench.perception.calibration.balls import FEWEST_POINTS, choose_balls, find_balls
 
-OFF, OFF_SHARE = 0.003, 0.02
+DISTANCE_TOLERANCE, OFF_SHARE = 0.003, 0.02
 """[m, share of the longest distance] By which distances may be off, so that they are the balls'."""
 
 CAP = 0.5
@@ -21,7 +21,7 @@ SHELL = 0.2
 GATE = 3.0
 """Standard deviations from the surface beyond which a point is an outlier."""
 
-STEPS = 8
+FIT_STEPS = 8
 """Of fitting a sphere."""
 
 
@@ -41,7 +41,7 @@ def sight_balls(scan: Scan, artefact: BallArtefact, name: str, q: Floats, seed: 
     found = find_balls(scan.points, artefact.radius)[0]
     count, lengths = len(artefact.centres), artefact.lengths
     off, chosen = choose_balls(found, lengths, count)
-    if off > max(OFF, OFF_SHARE * float(lengths.max())):
+    if off > max(DISTANCE_TOLERANCE, OFF_SHARE * float(lengths.max())):
         raise InputError(
             VerifyText.NOT_SEEN(
                 scan=name, found=len(found), ball=f"{artefact.radius * 2000:g}", count=count
@@ -64,7 +64,7 @@ def _fit_ball(points: Floats, centre: Floats, radius: float) -> tuple[Floats, fl
     lengths = np.linalg.norm(offsets, axis=1)
     facing = -offsets @ centre > CAP * lengths * np.linalg.norm(centre)
     near = points[(np.abs(lengths - radius) < SHELL * radius) & facing]
-    if len(near) < FEWEST:
+    if len(near) < FEWEST_POINTS:
         return None
     fixed, _, _ = _fit_sphere(near, centre, radius, is_free=False)
     _, size, left = _fit_sphere(near, centre, radius, is_free=True)
@@ -77,7 +77,7 @@ def _fit_sphere(
 ) -> tuple[Floats, float, Floats]:
     """Centre (3,), radius and residuals (n,) [m] by least squares without outliers."""
     gate = np.inf
-    for _ in range(STEPS):
+    for _ in range(FIT_STEPS):
         offsets = points - centre
         lengths = np.linalg.norm(offsets, axis=1)
         left = lengths - radius

@@ -20,10 +20,10 @@ from workbench.model.scan import Scan
 GRAIN = 0.12
 """Distance of the points that vote, over the radius."""
 
-NEAR = 0.2
+SAME_BALL_WITHIN = 0.2
 """Votes this near to each other, over the radius, are for one ball."""
 
-FEWEST = 25
+FEWEST_POINTS = 25
 """Points on a ball that is believed."""
 
 MOST_BALLS = 24
@@ -35,10 +35,10 @@ TOLERANCE = 0.08
 ROUND = 0.015
 """Least variance of the normals on a ball; some 0.04 on the half that is seen."""
 
-OFF = 0.003
+DISTANCE_TOLERANCE = 0.003
 """[m] By which distances between balls may differ from those of the plate."""
 
-FARTHEST = 20.0
+FARTHEST_POINT = 20.0
 """[m] Points further from the scanner along one of its axes are outliers."""
 
 KEPT = 15_000
@@ -56,25 +56,27 @@ def find_balls(points: Floats, radius: float) -> tuple[Floats, Floats]:
         Centres (k, 3) [m], those with the most points first, and the RMS distance of their points
         from the surface (k,) [m].
     """
-    points = points[np.abs(points).max(axis=1) <= FARTHEST]
+    points = points[np.abs(points).max(axis=1) <= FARTHEST_POINT]
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
     cloud = cloud.voxel_down_sample(GRAIN * radius)
     seen = np.asarray(cloud.points)
-    if len(seen) < FEWEST:
+    if len(seen) < FEWEST_POINTS:
         return np.empty((0, 3)), np.empty(0)
     cloud.estimate_normals(o3d.geometry.KDTreeSearchParamHybrid(0.5 * radius, 30))
     cloud.orient_normals_towards_camera_location(np.zeros(3))
     normals = np.asarray(cloud.normals)
     votes = seen - radius * normals
     tree, votes_tree = cKDTree(seen), cKDTree(votes)
-    counts = votes_tree.query_ball_point(votes, NEAR * radius, return_length=True)
+    counts = votes_tree.query_ball_point(votes, SAME_BALL_WITHIN * radius, return_length=True)
     centres: list[Floats] = []
     spreads: list[float] = []
     numbers: list[int] = []
     for number in np.argsort(-counts, kind="stable"):
-        if counts[number] < FEWEST or len(centres) >= MOST_BALLS:
+        if counts[number] < FEWEST_POINTS or len(centres) >= MOST_BALLS:
             break
-        start = np.median(votes[votes_tree.query_ball_point(votes[number], NEAR * radius)], axis=0)
+        start = np.median(
+            votes[votes_tree.query_ball_point(votes[number], SAME_BALL_WITHIN * radius)], axis=0
+        )
         if any(np.linalg.norm(start - centre) < radius for centre in centres):
             continue
         fit = _fit(tree, normals, start, radius)
@@ -97,7 +99,7 @@ def _fit(
         # What is further from the scanner than the centre is no part of the surface it sees.
         facing = -offsets @ centre > 0.1 * radius * np.linalg.norm(centre)
         on = (np.abs(lengths - radius) < gate * radius) & facing
-        if np.count_nonzero(on) < FEWEST:
+        if np.count_nonzero(on) < FEWEST_POINTS:
             return None
         rows = -offsets[on] / lengths[on, None]
         move = np.linalg.lstsq(rows, radius - lengths[on], rcond=1e-6)[0]
@@ -148,7 +150,7 @@ def sight_plate(scan: Scan, plate: BallPlate, name: str, arm: str, q: Floats) ->
     """
     centres, spreads = find_balls(scan.points, plate.radius)
     off, chosen = choose_balls(centres, plate.sides, 3)
-    if off > OFF:
+    if off > DISTANCE_TOLERANCE:
         near = f"; the nearest three are {off * 1000:.1f} mm off" if chosen else ""
         raise InputError(
             f"{name}: the plate is not seen: {len(centres)} balls of {plate.radius * 2000:g} mm "

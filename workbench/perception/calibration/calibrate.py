@@ -29,12 +29,12 @@ from workbench.perception.calibration.plate_poses import (
 from workbench.perception.calibration.rigid import fitted_motion
 from workbench.perception.calibration.sureness import best_fit, predicted_offsets
 
-FEWEST = 4
+FEWEST_POSES = 4
 """Poses that a calibration needs; 8 are advised."""
 
 ADVISED = 8
 
-MOST = 60
+MOST_POSES = 60
 
 GOOD, ACCEPTABLE = (0.001, np.deg2rad(0.3)), (0.002, np.deg2rad(0.6))
 """[m, rad] Up to here the light of a pose is green, and amber."""
@@ -43,22 +43,22 @@ AGREE, TIMES = 0.0015, 4.0
 """[m] A pose is left out when it is off by more than this, and by more than this many times what is
 usual among the poses."""
 
-APART = 0.004
+LARGEST_USUAL = 0.004
 """[m] More than this is never taken for usual."""
 
 HOPELESS = 0.01
 """[m] Where not even half of the poses agree so well, nothing can be said."""
 
-ROUNDS = 10
+MOST_ROUNDS = 10
 """Of fitting and leaving out, at most."""
 
 TRIPLES = 150
 """Of three poses at a time, this many are tried as the beginning."""
 
-SAME = (0.005, np.deg2rad(3.0))
+SAME_POSE = (0.005, np.deg2rad(3.0))
 """[m, rad] Poses of the flange nearer to each other than this are one."""
 
-TURNED = np.deg2rad(8.0)
+LEAST_TURN = np.deg2rad(8.0)
 """[rad] By which the flange must turn about two axes, RMS, between two poses."""
 
 LARGEST_ERROR = (0.003, np.deg2rad(0.3))
@@ -82,7 +82,7 @@ def calibrate(poses: Sequence[PlatePose], centres: Floats) -> Calibration:
     # Three poses alone give a coarse answer: the better half of all improves it first.
     best = np.argsort(distances(wanted, answer, centres), kind="stable")
     used, before = sorted(best[: len(wanted) // 2 + 1].tolist()), []
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         answer = _fit([wanted[k] for k in used], answer, centres)
         used, before = _agreeing(wanted, answer, centres), used
         if used == before:
@@ -104,8 +104,8 @@ def _check(poses: Sequence[PlatePose]) -> None:
     Raises:
         InputError: they cannot; says why.
     """
-    if len(poses) > MOST:
-        raise InputError(PlateText.MOST_POSES(count=len(poses), most=MOST))
+    if len(poses) > MOST_POSES:
+        raise InputError(PlateText.MOST_POSES(count=len(poses), most=MOST_POSES))
     distinct: list[PlatePose] = []
     same: list[Message] = []
     for pose in poses:
@@ -114,8 +114,8 @@ def _check(poses: Sequence[PlatePose]) -> None:
             distinct.append(pose)
         else:
             same.append(PlateText.SAME_POSE(pose=pose.name, other=twin.name))
-    if len(distinct) < FEWEST:
-        few = PlateText.TOO_FEW_POSES(fewest=FEWEST, advised=ADVISED, count=len(distinct))
+    if len(distinct) < FEWEST_POSES:
+        few = PlateText.TOO_FEW_POSES(fewest=FEWEST_POSES, advised=ADVISED, count=len(distinct))
         alike = all_of(same)
         raise InputError(few if alike is None else PlateText.SINCE_SAME(problem=few, same=alike))
     rotations = np.array([pose.T_world_flange.rotation for pose in distinct])
@@ -124,16 +124,16 @@ def _check(poses: Sequence[PlatePose]) -> None:
     turns = np.array([pin.log3(mean.T @ rotation) for rotation in rotations])
     _, sizes, axes = np.linalg.svd(turns)
     sizes *= np.sqrt(2 / len(distinct))  # of two poses, not of one and the mean
-    if sizes[0] < TURNED:
+    if sizes[0] < LEAST_TURN:
         raise InputError(PlateText.NOT_TURNED())
-    if sizes[1] < TURNED:
+    if sizes[1] < LEAST_TURN:
         axis = ", ".join(f"{value:.2f}" for value in mean @ axes[0] + 0.0)
         raise InputError(PlateText.ONE_AXIS(axis=axis))
 
 
 def _is_same(plate_pose: PlatePose, other: PlatePose) -> bool:
     distance, angle = shift_and_turn(plate_pose.T_world_flange.actInv(other.T_world_flange))
-    return distance < SAME[0] and angle < SAME[1]
+    return distance < SAME_POSE[0] and angle < SAME_POSE[1]
 
 
 def _check_left(wanted: Sequence[PlatePose], used: Sequence[int]) -> None:
@@ -190,7 +190,7 @@ def _rotation(matrix: Floats) -> Floats:
 def _agreeing(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> list[int]:
     off = distances(poses, answer, centres)
     usual = float(np.sort(off)[len(poses) // 2])
-    gate = max(AGREE, TIMES * min(usual, APART))
+    gate = max(AGREE, TIMES * min(usual, LARGEST_USUAL))
     return [k for k, distance in enumerate(off) if distance <= gate]
 
 

@@ -23,7 +23,7 @@ from workbench.perception.calibration.things import Kind, ThingSighting
 DAY = 86400.0
 """[s] Days are those of UTC."""
 
-FEWEST, MOST = 2, 7
+FEWEST_DAYS, MOST_DAYS = 2, 7
 """Days at the beginning and at the end that are compared: all, up to a week."""
 
 NOW = 3
@@ -38,7 +38,7 @@ ARM = 0.15
 SCALE = np.repeat([1.0, 1 / ARM], 3)
 """[no unit, 1/m] By it motions have one unit."""
 
-LEAST = 3e-5 / np.repeat([1.0, ARM], 3)
+LEAST_DEVIATION = 3e-5 / np.repeat([1.0, ARM], 3)
 """[m, rad] Deviation of every comparison that no number of days takes out.  In simulation a bin
 that is moved beside a table moves the table's fit by a fifth of that; nothing real is so flat."""
 
@@ -165,15 +165,17 @@ def _course(
     change, deviation, freedom, odds = (np.full(6, np.nan) for _ in range(4))
     for axis in range(6):
         values = moved[np.isfinite(moved[:, axis]), axis]
-        size = min(MOST, len(values) // 2)
-        if size < FEWEST:
+        size = min(MOST_DAYS, len(values) // 2)
+        if size < FEWEST_DAYS:
             continue
         first, last = values[:size], values[-size:]
         variance, now = first.var(ddof=1) + last.var(ddof=1), min(NOW, size)
         freedom[axis] = 2 * size - 2
-        away = abs(last.mean() - first.mean()) / np.hypot(np.sqrt(variance / size), LEAST[axis])
+        away = abs(last.mean() - first.mean()) / np.hypot(
+            np.sqrt(variance / size), LEAST_DEVIATION[axis]
+        )
         odds[axis] = 2 * stdtr(freedom[axis], -away)
         change[axis] = last[-now:].mean() - first[:now].mean()
-        deviation[axis] = np.hypot(np.sqrt(variance / now), LEAST[axis])
+        deviation[axis] = np.hypot(np.sqrt(variance / now), LEAST_DEVIATION[axis])
     is_significant = np.asarray(odds < chance)  # not where nothing is compared
     return DriftHistory(thing, kind, days, moved, change, deviation, freedom, is_significant)

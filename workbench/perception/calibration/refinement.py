@@ -16,7 +16,7 @@ from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.perception.calibration.drift import (
     CHANCE,
     DAY,
-    MOST,
+    MOST_DAYS,
     PARTS,
     DriftEstimate,
     DriftHistory,
@@ -28,7 +28,7 @@ from workbench.perception.calibration.things import ThingSighting
 FEWEST_PARTS = 4
 """Parts put down by which a pose is refined."""
 
-DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+POSE_DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 """Shifts along the world's axes, and turns about them, as controllers show them."""
 
 
@@ -90,7 +90,7 @@ def drift_of(sightings: Sequence[ThingSighting], prior: Floats, distance: float)
         if course.kind == "bin"
         for other in others or [course]
     )
-    left = tuple(name for name, is_seen in zip(DIRECTIONS, seen, strict=True) if not is_seen)
+    left = tuple(name for name, is_seen in zip(POSE_DIRECTIONS, seen, strict=True) if not is_seen)
     moved = covariance = None
     if has_drifted or by_parts is not None:
         moved, covariance = _together(prior, steady if has_drifted else [], by_parts, distance)
@@ -101,7 +101,7 @@ def _recent(put_down: list[ThingSighting], has_drifted: bool) -> list[ThingSight
     """Those of the last days, where what was before is of a scanner that hung elsewhere."""
     if not has_drifted or not put_down:
         return put_down
-    days = sorted({sighting.at // DAY for sighting in put_down})[-MOST:]
+    days = sorted({sighting.at // DAY for sighting in put_down})[-MOST_DAYS:]
     return [sighting for sighting in put_down if sighting.at // DAY >= days[0]]
 
 

@@ -27,20 +27,20 @@ from workbench.perception.calibration.pose_errors import (
 BEGIN = 0.0001
 """[m] Deviation of each kind of error at the beginning."""
 
-ROUNDS = 10
+FIT_ROUNDS = 10
 """Of weighing and fitting."""
 
-KINDS, FEWER_KINDS = (0, 1, 2), (0, 2)
+ERROR_KINDS, FEWER_KINDS = (0, 1, 2), (0, 2)
 """Errors of `error_covariances` that are estimated, and those without turns of the flange."""
 
-CLEARLY, ENOUGH = 0.85, 12
+CLEARLY_BETTER, FEWEST_POSES = 0.85, 12
 """Predictions are clearly better where they are off by less than this share, where there are at
 least as many poses: a few predict each other well by chance."""
 
 ALONE = 1e-6
 """Of a direction of a pose no more than this share is known without it: nothing is."""
 
-SURE = 0.95
+CONFIDENCE = 0.95
 """Share of calibrations in which a point is no further off than is said."""
 
 
@@ -79,15 +79,15 @@ def best_fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> Plat
         start: least squares over the balls, or better.
         centres: (3, 3) [m] of the balls in the plate's frame.
     """
-    fit = _fit_kinds(poses, start, centres, KINDS)
-    if len(poses) < ENOUGH:
+    fit = _fit_kinds(poses, start, centres, ERROR_KINDS)
+    if len(poses) < FEWEST_POSES:
         return fit
     simpler = _fit_kinds(poses, fit.answer, centres, FEWER_KINDS)
     off, simpler_off = (
         sum(predicted[0] ** 2 for predicted in predicted_offsets(poses, each, centres) if predicted)
         for each in (fit, simpler)
     )
-    return simpler if simpler_off < CLEARLY**2 * off else fit
+    return simpler if simpler_off < CLEARLY_BETTER**2 * off else fit
 
 
 def _fit_kinds(
@@ -96,7 +96,7 @@ def _fit_kinds(
     """The best answer if the errors, besides those of the balls, are of these kinds."""
     variances = np.zeros(4)
     variances[[*kinds, 3]] = BEGIN**2
-    for _ in range(ROUNDS):
+    for _ in range(FIT_ROUNDS):
         rows, off, _ = weigh(poses, answer, centres, variances)
         bread = inverse(np.einsum("nik,nil->kl", rows, rows))
         answer = moved(answer, -bread @ np.einsum("nik,ni->k", rows, off))
@@ -167,4 +167,4 @@ def point_errors(covariance: Floats, origin: Floats, points: Floats) -> Floats:
     squares = (each**2).sum(axis=(1, 2))
     # From 1, where one direction has it all, to 3; also where nothing is unsure.
     freedom = np.maximum(mean**2 / np.maximum(squares, 1e-300), 1.0)
-    return np.sqrt(squares / np.maximum(mean, 1e-300) * 2 * gammaincinv(freedom / 2, SURE))
+    return np.sqrt(squares / np.maximum(mean, 1e-300) * 2 * gammaincinv(freedom / 2, CONFIDENCE))

@@ -23,10 +23,10 @@ from workbench.perception.views.surfaces import add_solids, add_surface, triangl
 
 Kind = Literal["bin", "fixture", "part"]
 
-ENOUGH = 20_000
+MOST_POINTS = 20_000
 """Points of a scan that are checked, and all around parts; of more every second, third, ..."""
 
-REACH, GATES = 0.008, (0.006, 0.004, 0.003, 0.003)
+SURFACE_WITHIN, GATES = 0.008, (0.006, 0.004, 0.003, 0.003)
 """[m] Points this near to a surface may belong to it; the same in each step of the fit."""
 
 FACING = 0.3
@@ -36,7 +36,7 @@ INSIDE = 1e-4
 """[m] Across its normal, the point of a surface that is nearest to another is no further off: else
 it is on an edge, which says nothing of the face."""
 
-FEWEST = 60
+FEWEST_POINTS = 60
 """Points on a thing that is believed."""
 
 HELD = 0.01
@@ -49,7 +49,7 @@ how the directions of one thing compare is taken from these: what is stated is m
 LYING = np.diag([1.0, 1.0, 0.0, 0.0, 0.0, 1.0])
 """What something level leaves of the error of a part that comes to rest on it."""
 
-SURE = (0.0001, 0.0005)
+BIN_DEVIATION = (0.0001, 0.0005)
 """[m, rad] Deviations of the bin as one scan shows it, to the same end."""
 
 
@@ -134,7 +134,7 @@ def sight_things(
     found: list[ThingSighting] = []
     T_seen = check_bin(scan, cell.bin).T_world_bin
     if T_seen is not None:
-        known = np.repeat(1 / np.square(SURE), 3)
+        known = np.repeat(1 / np.square(BIN_DEVIATION), 3)
         if not cell.bin.has_walls:
             known *= [0, 0, 1, 1, 1, 0]
         off = motion_at(T_seen * cell.bin.T_world_bin.inverse(), middle)
@@ -145,7 +145,7 @@ def sight_things(
     owners = surfaces.owners(points, view)
     for number, (name, kind, slopes) in enumerate(surfaces.things):
         own = points[owners == number]
-        fitted = surfaces.fitted(number, own, view) if len(own) >= FEWEST else None
+        fitted = surfaces.fitted(number, own, view) if len(own) >= FEWEST_POINTS else None
         if fitted is not None:
             off, information, place = fitted
             back = np.linalg.inv(moved_to(middle - place))
@@ -158,9 +158,12 @@ def _looked_at(cell: Cell, scan: Scan, put_down: Sequence[PutPart]) -> Floats:
     """Points (n, 3) [m] in the world: all around parts, some of the others."""
     points = scan.points_world
     is_near = np.zeros(len(points), bool)
-    is_near[:: -(-len(points) // ENOUGH)] = True
+    is_near[:: -(-len(points) // MOST_POINTS)] = True
     for put_part in put_down:
-        reach = np.linalg.norm(cell.part(put_part.detection.part).mesh.points, axis=1).max() + REACH
+        reach = (
+            np.linalg.norm(cell.part(put_part.detection.part).mesh.points, axis=1).max()
+            + SURFACE_WITHIN
+        )
         off = points - put_part.detection.T_world_part.translation
         is_near |= np.einsum("ij,ij->i", off, off) < reach**2
     return points[is_near]
@@ -213,7 +216,7 @@ class _Surfaces:
     def owners(self, points: Floats, view: Floats) -> np.ndarray:
         """Of each point (n, 3) [m] in the world; -1 of those on nothing but the bin."""
         owner, _, off, is_on = self._nearest(points, view)
-        return np.where(is_on & (np.abs(off) < REACH), owner, -1)
+        return np.where(is_on & (np.abs(off) < SURFACE_WITHIN), owner, -1)
 
     def fitted(
         self, number: int, points: Floats, view: Floats
@@ -231,7 +234,7 @@ class _Surfaces:
             back = (points - T.translation) @ T.rotation
             owner, normals, away, is_on = self._nearest(back, view)
             on = is_on & (owner == number) & (np.abs(away) < gate)
-            if np.count_nonzero(on) < FEWEST:
+            if np.count_nonzero(on) < FEWEST_POINTS:
                 return None
             rows = np.hstack([normals[on], np.cross(back[on] - place, normals[on]) / size])
             weights = (1 - (away[on] / gate) ** 2) ** 2  # Tukey's biweight

@@ -21,21 +21,21 @@ from workbench.model.messages.calibration import VerifyText
 from workbench.model.messages.message import Message, all_of
 from workbench.perception.calibration.plate_poses import crosses
 
-FEWEST = 3
+FEWEST_TOUCHES = 3
 """Touches of a test."""
 
-APART = 0.01
+LEAST_SPREAD = 0.01
 """[m] RMS distance of the touched balls from the line that lies best among them, at least."""
 
 SEATED = 0.0001
 """[m] Deviation along each axis of a tip that sits on a ball."""
 
-SURE = 0.95
+CONFIDENCE = 0.95
 """Share of tests that stay below the prediction."""
 
 DRAWS = 5_000
 
-TURNED = np.deg2rad(20.0)
+LEAST_TURN = np.deg2rad(20.0)
 """[rad] A tool that turns by less between touches hides an error of its TCP in the common shift."""
 
 
@@ -80,11 +80,11 @@ def assess_touches(
     """
     by_name = {scan.name: scan for scan in scans}
     balls = tuple(touched_ball(cell, by_name[touch.scan], touch) for touch in touches)
-    if len(balls) < FEWEST:
-        raise InputError(VerifyText.FEW_TOUCHES(fewest=FEWEST, count=len(balls)))
+    if len(balls) < FEWEST_TOUCHES:
+        raise InputError(VerifyText.FEW_TOUCHES(fewest=FEWEST_TOUCHES, count=len(balls)))
     seen = np.array([ball.seen for ball in balls])
     spread = np.linalg.svd(seen - seen.mean(axis=0), compute_uv=False)
-    if spread[1] < APART * np.sqrt(len(balls)):
+    if spread[1] < LEAST_SPREAD * np.sqrt(len(balls)):
         raise InputError(VerifyText.ON_LINE())
     offsets = np.array([ball.offset for ball in balls])
     largest, shift, rest = (float(value[0]) for value in _sizes(offsets[None]))
@@ -124,7 +124,7 @@ def predict_offsets(cell: Cell, seen: Floats, origin: Floats) -> Offsets:
     deviation = np.sqrt(widening * record.rms**2 / 3 + SEATED**2)
     alone = deviation * rng.standard_normal((DRAWS, len(seen), 3))
     drawn = np.einsum("kij,dj->dki", rows, moves) + alone
-    return Offsets(*(float(np.quantile(values, SURE)) for values in _sizes(drawn)))
+    return Offsets(*(float(np.quantile(values, CONFIDENCE)) for values in _sizes(drawn)))
 
 
 def _sizes(offsets: Floats) -> tuple[Floats, Floats, Floats]:
@@ -152,7 +152,7 @@ def _judge(
     if is_shifted or found.shift > allowed.shift:
         first = balls[0].turn
         turns = [float(np.linalg.norm(pin.log3(first.T @ ball.turn))) for ball in balls]
-        text = VerifyText.SHIFTED if max(turns) > TURNED else VerifyText.SHIFTED_ALIKE
+        text = VerifyText.SHIFTED if max(turns) > LEAST_TURN else VerifyText.SHIFTED_ALIKE
         says.append(text(shift=found.shift))
     if not is_shifted or found.rest > allowed.rest:
         says.append(VerifyText.VARIES(rest=found.rest))

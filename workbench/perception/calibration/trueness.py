@@ -18,7 +18,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.calibration import VerifyText
 from workbench.model.messages.message import Message
 
-SURE = 0.99
+CONFIDENCE = 0.99
 """Confidence level of a scale error."""
 
 LEAST_SCALE = 0.0005
@@ -93,4 +93,4 @@ def _fit_scale(stated: Floats, spacings: Floats) -> tuple[float, float]:
         return scale, np.inf
     left = spacings - scale * stated
     deviation = np.sqrt(float(left @ left) / freedom / weight)
-    return scale, float(stdtrit(freedom, (1 + SURE) / 2) * deviation)
+    return scale, float(stdtrit(freedom, (1 + CONFIDENCE) / 2) * deviation)

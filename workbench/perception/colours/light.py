@@ -27,7 +27,7 @@ TINTS: Floats = np.array(list(product(np.linspace(-0.3, 0.3, 5), repeat=2)))
 EXPOSURES: Floats = np.linspace(-1.5, 1.5, 13)
 """And (e,) the brightness.  A light is a tint with an exposure."""
 
-FARTHEST = 16.0
+MOST_DIFFERENT = 16.0
 """A squared distance that is larger counts as this: two colours are not more different than that,
 and a point of something else says little."""
 
@@ -69,7 +69,7 @@ def distances(seen: Floats, paints: Floats, deviation: Floats) -> Floats:
     Args:
         seen: (n, 3) shares of light, 0..1.
         paints: (p, 3) shares of white light that they send back.
-        deviation: (3,) of features, the unit of the distances, which are `FARTHEST` at most.
+        deviation: (3,) of features, the unit of the distances, which are `MOST_DIFFERENT` at most.
     """
     tints = np.exp(np.stack([TINTS[:, 0], np.zeros(len(TINTS)), TINTS[:, 1]], axis=1))
     tinted = paints[:, None] * tints
@@ -80,4 +80,4 @@ def distances(seen: Floats, paints: Floats, deviation: Floats) -> Floats:
     brighter = features(seen)[:, None, None, 2] - features(tinted)[..., 2]
     lighter = (brighter[..., None] - EXPOSURES) / deviation[2]
     squares = np.sum(off**2, axis=-1)[..., None] + lighter**2
-    return np.minimum(squares, FARTHEST).reshape(len(seen), len(paints), -1)
+    return np.minimum(squares, MOST_DIFFERENT).reshape(len(seen), len(paints), -1)

@@ -12,7 +12,8 @@ from workbench.model.scan import Scan
 from workbench.perception.colours.light import SPREAD, are_unlike
 from workbench.perception.localization.hypotheses import SAME_ANGLE
 from workbench.perception.matching.poses import distinct
-from workbench.perception.parts.part_surface import STEPS, PartSurface
+from workbench.perception.parts.near_symmetry import TURNS_TRIED
+from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.views.srgb import linear
 
 MOST_POINTS = 200
@@ -54,7 +55,7 @@ def painted(part: Part, surface: PartSurface) -> Painted | None:
     if part.colours is None:
         return None
     tried = np.concatenate(
-        [part.symmetry.motions(STEPS), surface.symmetry.motions, _of_a_box(surface.middle)]
+        [part.symmetry.motions(TURNS_TRIED), surface.symmetry.motions, _of_a_box(surface.middle)]
     )
     kept = distinct(
         tried,

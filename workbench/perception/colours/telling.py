@@ -34,7 +34,7 @@ FITS = 8.0
 AS_GOOD = 4.0
 """By so much more than the best light another one may miss all parts together, and is possible."""
 
-FEWEST, LEAST = 12, 0.03
+FEWEST_POINTS, LEAST_SHARE = 12, 0.03
 """Points, and share of those seen, by which two guesses must differ to be distinguished."""
 
 
@@ -66,7 +66,7 @@ class SeenPart:
         if self.table is None:
             return False
         differ = are_unlike(self.paints[better], self.paints[worse], deviation)
-        if np.count_nonzero(differ) < max(FEWEST, LEAST * len(differ)):
+        if np.count_nonzero(differ) < max(FEWEST_POINTS, LEAST_SHARE * len(differ)):
             return False
         better_fit, worse_fit = (
             self.table[g][differ][:, lights].mean(axis=0) for g in (better, worse)

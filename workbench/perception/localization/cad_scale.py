@@ -25,7 +25,7 @@ from workbench.perception.matching.registration import move, transformed
 from workbench.perception.matching.sightings import AGREEING, Drawing, look, predicted
 from workbench.perception.parts.part_surface import PartSurface, resize_surface
 
-STEPS = 6
+FIT_STEPS = 6
 """Of the fit: each draws the part anew."""
 
 RIM = 2
@@ -33,7 +33,7 @@ RIM = 2
 
 FEWEST_POINTS = 30
 
-WIDE, WIDE_STEPS = 2.5, 4
+WIDE_TOLERANCES, WIDE_STEPS = 2.5, 4
 """Tolerances within which points count in the first steps where too few parts tell a scale: of a
 part that is found at one end the other one is off by the whole difference."""
 
@@ -55,7 +55,7 @@ OPEN = 1e-4
 TELLING = 0.05
 """Standard deviation of a scale above which a detection says nothing of it."""
 
-FEWEST = 3
+FEWEST_DETECTIONS = 3
 """Detections that have to tell a scale."""
 
 SHARED_OFF = 1.5e-5
@@ -78,12 +78,12 @@ def scale_check(
         poses: (4, 4) [m] of those found, in the scanner's frame.
         tolerance: [m] see `sightings.look`.
     """
-    for reach in (1.0, WIDE):
+    for reach in (1.0, WIDE_TOLERANCES):
         fits = [_fit(depth_map, surface, pose, tolerance, reach) for pose in poses]
         sure = [fit for fit in fits if fit is not None and np.hypot(*fit[1:]) <= TELLING]
-        if len(sure) >= FEWEST or len(poses) < FEWEST:
+        if len(sure) >= FEWEST_DETECTIONS or len(poses) < FEWEST_DETECTIONS:
             break
-    if len(sure) < FEWEST:
+    if len(sure) < FEWEST_DETECTIONS:
         return None
     scales, deviations, shared = np.array(sure).T
     weights = 1.0 / (deviations**2 + shared**2)
@@ -116,7 +116,7 @@ def _fit(
     """
     T, scale, radius = np.array(pose), 0.0, surface.diameter / 2
     deviation = shared = np.inf
-    for step in range(STEPS):
+    for step in range(FIT_STEPS):
         wide = tolerance * (reach if step < WIDE_STEPS else 1.0)
         pairs = _pair(depth_map, surface, T, 1.0 + scale, wide)
         if len(pairs.off) < FEWEST_POINTS:

@@ -32,7 +32,7 @@ MOST_OFF, MOST_SCALED = 0.04, 0.15
 """How far off a surface may lie, over the diameter, if the part does not say; and by which share it
 may be larger or smaller."""
 
-FEWEST, FEWEST_TRIED = 3, 2
+FEWEST_PARTS, FEWEST_TRIED = 3, 2
 """Parts that have to show a change before it is reported, and before it is tried."""
 
 SAME_OFFSET, SAME_SCALE = 0.0003, 0.01
@@ -45,14 +45,14 @@ are found as they are; and in the end those larger than this [m]."""
 SHARED_OFF, SHARED_SCALE = 0.0001, 0.003
 """Deviation of the floor that all parts share [m], and what it makes of a size."""
 
-MOST_TRIED, APART = 6, 0.3
+MOST_TRIED, LEAST_DISTANCE = 6, 0.3
 """Poses of a kind that are fitted with another surface, no two closer than this share of the
 diameter."""
 
 LEAST_SCORE = 0.5
 """Poses that explain a smaller share of what they show say nothing of the surface."""
 
-STEPS = (0.03, 0.015)
+STEP_LENGTHS = (0.03, 0.015)
 """Lengths of the steps by which poses are brought to rest roughly, over the diameter."""
 
 LEAST_CLOSE = 0.97
@@ -106,7 +106,7 @@ def report_shape(
         search, standing = fit_to_size(search, standing, scale.ratio / search.scaled)
         return search, standing, (scale,), ()
     if not search.is_loose and search.grown == 0.0 and search.scaled == 1.0:
-        shown = agree(shown_offsets(search, poses), SAME_OFFSET, FEWEST)
+        shown = agree(shown_offsets(search, poses), SAME_OFFSET, FEWEST_PARTS)
         if shown is not None and abs(shown.value) > REPORTED:
             changed = find_change(search, np.array(poses[:MOST_TRIED]), REPORTED)
             if changed is not search:
@@ -116,7 +116,7 @@ def report_shape(
     if search.scaled != 1.0:
         return _report_scale(search, standing, scale)
     scales = () if scale is None else (scale,)
-    shown = agree(shown_offsets(search, poses), SAME_OFFSET, FEWEST)
+    shown = agree(shown_offsets(search, poses), SAME_OFFSET, FEWEST_PARTS)
     if search.grown == 0.0 or shown is None:
         return search, standing, scales, ()
     deviation = float(np.hypot(shown.deviation, SHARED_OFF))
@@ -129,7 +129,7 @@ def _report_scale(
 ) -> tuple[PartSearch, JudgedChoice, tuple[ScaleCheck, ...], tuple[OffsetCheck, ...]]:
     """The same for a part of another size, whose surface may tell no scale by itself."""
     poses = [chosen.pose for chosen in standing.choice.chosen]
-    shown = agree(shown_scales(search, poses), SAME_SCALE, FEWEST)
+    shown = agree(shown_scales(search, poses), SAME_SCALE, FEWEST_PARTS)
     if shown is not None:
         said = ScaleCheck(search.part.name, round(shown.value, 4), SHARED_SCALE, shown.count)
         search, standing = fit_to_size(search, standing, said.ratio / search.scaled)
@@ -227,7 +227,7 @@ def _tried(search: PartSearch) -> Floats:
     return poses[
         distinct(
             poses, np.arange(len(poses)), surface.stated, surface.fixed,
-            distance=APART * surface.diameter, angle=np.pi, most=MOST_TRIED,
+            distance=LEAST_DISTANCE * surface.diameter, angle=np.pi, most=MOST_TRIED,
         )
     ]  # fmt: skip
 
@@ -239,7 +239,7 @@ def _rested(search: PartSearch, poses: Floats) -> Floats:
 
 
 def _roughly_rested(search: PartSearch, poses: Floats) -> Floats:
-    steps = tuple(step * search.surface.diameter for step in STEPS)
+    steps = tuple(step * search.surface.diameter for step in STEP_LENGTHS)
     return refine_poses(
         search.coarse_map, search.surface, _stay(search, poses), 2 * search.tolerance, steps
     )

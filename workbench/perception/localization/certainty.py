@@ -18,7 +18,7 @@ from workbench.perception.parts.part_surface import PartSurface
 SHARED = 16.0
 """Points that share their errors: this many count as one."""
 
-REACH = 2
+NEIGHBOUR_PIXELS = 2
 """[pixels] Up to which neighbours are asked how alike their errors are."""
 
 BIAS = 0.35
@@ -88,9 +88,9 @@ def count_shared(sighting: Sighting, columns: int) -> float:
         columns: of the maps that its pixels are in.
     """
     v, u = np.divmod(sighting.explained, columns)
-    side = 2 * REACH + 1
+    side = 2 * NEIGHBOUR_PIXELS + 1
     off = np.zeros((int(np.ptp(v)) + side, int(np.ptp(u)) + side))
-    off[v - v.min() + REACH, u - u.min() + REACH] = sighting.off
+    off[v - v.min() + NEIGHBOUR_PIXELS, u - u.min() + NEIGHBOUR_PIXELS] = sighting.off
     around = uniform_filter(off, side, mode="constant") * side**2
     return max(1.0, float((off * around).sum() / max((off**2).sum(), 1e-30)))
 

@@ -31,7 +31,7 @@ STRAY = 0.1
 WHOLE = 0.05
 """Further inside, the scan may look through no more than this share of a part."""
 
-FEWEST = 40
+FEWEST_PIXELS = 40
 """[pixels] Measured along the outline, or a pose says nothing."""
 
 FEWEST_PARTS = 2
@@ -108,7 +108,7 @@ def eaten_width(sighting: Sighting, columns: int) -> float | None:
     explained, violated = len(sighting.explained), len(sighting.violated)
     through = np.bincount(inwards[explained : explained + violated], minlength=WIDEST + 3)
     on = np.bincount(inwards[:explained], minlength=WIDEST + 3)
-    if on[1] + through[1] < FEWEST:
+    if on[1] + through[1] < FEWEST_PIXELS:
         return None
     width, reach = 0.0, 0
     while reach <= WIDEST and through[reach + 1] > STRAY * (on[reach + 1] + through[reach + 1]):

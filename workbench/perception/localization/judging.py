@@ -18,7 +18,11 @@ from workbench.model.part import Part
 from workbench.model.scan import Objection
 from workbench.perception.localization.choice import Choice, Hypothesis, Rejection
 from workbench.perception.localization.outline import LEAST_ENDS, MOST_BENT, has_visible_boundary
-from workbench.perception.matching.likelihood import MOST, log_likelihood_ratio, looked_through
+from workbench.perception.matching.likelihood import (
+    MOST_FOR_PART,
+    log_likelihood_ratio,
+    looked_through,
+)
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface
@@ -63,7 +67,7 @@ class PartSearch:
     are_inside: AreInside
     choice: Choice
     least_ends: float = LEAST_ENDS
-    most: float = MOST
+    most: float = MOST_FOR_PART
     is_loose: bool = False
     filled: float = 1.0
     eaten: int = 0

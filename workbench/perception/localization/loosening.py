@@ -42,7 +42,7 @@ LEAST_SLOPE = 0.65
 another kind lies there.  Parts that are a tenth larger than their CAD file have 0.85, and 0.75 as
 cameras by time of flight smooth them; bolts on cylinders of twice their radius have 0.5."""
 
-STEPS = (0.02, 0.01, 0.005)
+STEP_LENGTHS = (0.02, 0.01, 0.005)
 """Lengths of the steps by which poses are brought to rest, over the diameter."""
 
 Compete = Callable[[Sequence[PartSearch], Sequence[list[Hypothesis]]], None]
@@ -139,7 +139,7 @@ def _again(search: PartSearch, before: PartSearch) -> list[Hypothesis]:
         angle=np.pi if surface.is_ball else SAME_ANGLE,
         most=len(poses),
     )
-    steps = tuple(step * surface.diameter for step in STEPS)
+    steps = tuple(step * surface.diameter for step in STEP_LENGTHS)
     rested = refine_poses(search.coarse_map, surface, poses[apart], search.tolerance, steps)
     rested = rested[search.are_possible(rested)]
     return [

@@ -26,13 +26,13 @@ MOST_BENT = 0.33
 side.  Of 415 parts found in simulated piles, as six kinds of scanner see them, one had 0.25, all
 others less; bolts on cylinders, in three scans by time of flight, 0.38 to 0.66."""
 
-FEWEST = 12
+FEWEST_PIXELS = 12
 """[pixels] With less of the outline seen, nothing is said."""
 
 STEEP, EVEN = 2.0, 0.6
 """Depth over width up to which a surface bends away, and the share of it in one pixel: no step."""
 
-ALIKE = 0.95
+ALIKE_NORMALS = 0.95
 """Cosine between normals above which what lies beyond may be the same surface."""
 
 
@@ -49,7 +49,7 @@ def has_visible_boundary(
 ) -> bool:
     """Whether a part ends along its outline, as far as that is seen.
 
-    Also where fewer than `FEWEST` pixels of the outline are seen.
+    Also where fewer than `FEWEST_PIXELS` pixels of the outline are seen.
 
     Where nothing is measured beyond, or something lies in front, or another part found, nothing is
     known.
@@ -70,7 +70,7 @@ def has_visible_boundary(
         drawing(depth_map, surface, tolerance), np.ascontiguousarray(pose), others, eaten, beyond
     )
     seen = ends + goes_on
-    return seen < FEWEST or (ends >= least * seen and bends + goes_on <= most_bent * seen)
+    return seen < FEWEST_PIXELS or (ends >= least * seen and bends + goes_on <= most_bent * seen)
 
 
 @njit(cache=True)
@@ -117,7 +117,7 @@ def _outline(
                 for k in range(3):
                     off += n[k] * (seen.rays[b, a, k] * there - seen.rays[v, u, k] * here)
                     agreement += n[k] * seen.normals[b, a, k]
-                if seen.foreground[b, a] and abs(off) <= tolerance and agreement > ALIKE:
+                if seen.foreground[b, a] and abs(off) <= tolerance and agreement > ALIKE_NORMALS:
                     goes_on += 1
                 elif there >= here - tolerance or not seen.foreground[b, a]:
                     ends += 1

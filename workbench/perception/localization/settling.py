@@ -55,7 +55,7 @@ held."""
 LEAST_TRAVEL = 0.05
 """[m] Motions of one metre that move the surface by less count as if it moved by this much."""
 
-SURE = 3.0
+STANDARD_ERRORS = 3.0
 """Standard errors that must stay below that shift where the fit is to hold the part alone."""
 
 HELD = 8.0
@@ -216,7 +216,7 @@ def is_constrained(
     errors = NOISE * tolerance / np.sqrt(np.maximum(values, 1e-12))
     # What counts is how far the surface moves: a spring, as a screw about its axis, moves little.
     travels = _travels(surface, pose, vectors)
-    directions = (vectors / travels)[:, SURE * errors * travels > step].T
+    directions = (vectors / travels)[:, STANDARD_ERRORS * errors * travels > step].T
     if len(directions) == 0:
         return True
     tried = [pose]

@@ -18,7 +18,7 @@ tolerance at least, since no part is as its drawing and no scanner without bias.
 STRAY = 0.1
 """Share of a part's points that lie anywhere within the tolerance."""
 
-MOST = 0.5
+MOST_FOR_PART = 0.5
 """[nat] A pixel on the part speaks for it by no more than this in the mean: neighbours share their
 errors, and what was fitted to a face lies on all of it."""
 
@@ -40,7 +40,7 @@ def log_likelihood_ratio(
     tolerance: float,
     *,
     is_all_known: bool,
-    most: float = MOST,
+    most: float = MOST_FOR_PART,
 ) -> float:
     """Log likelihood ratio [nat] of a pixel: of this part against something unknown.
 

@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
-from workbench.model.symmetry import BALL, NONE, SAME, Symmetry, SymmetryAxis
+from workbench.model.symmetry import BALL, NONE, SAME_TURN, Symmetry, SymmetryAxis
 
 FINE_STEPS = 315
 """Turns that stand for any angle, as many as in `bop_toolkit`: arcs of 1 % of a diameter."""
@@ -68,7 +68,7 @@ def without_roll(symmetry: Symmetry, roll_axis: Floats | None) -> Symmetry:
     flips = [
         axis.axis
         for axis in symmetry.axes
-        if axis.fold % 2 == 0 and abs(float(axis.axis @ along)) < np.sin(SAME)
+        if axis.fold % 2 == 0 and abs(float(axis.axis @ along)) < np.sin(SAME_TURN)
     ]
     if not flips:
         return Symmetry(along, 0, tuple(point))

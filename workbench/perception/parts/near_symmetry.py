@@ -8,23 +8,23 @@ import pinocchio as pin
 
 from workbench.model.geometry import Floats, frozen, put
 
-NEAR = 0.02
+SYMMETRIC_WITHIN = 0.02
 """Mean distance of the moved surface from itself, over the diameter, that still counts."""
 
 MOSTLY = 0.75
 """Or this share of the surface lies on itself, since the rest may be out of sight: of a cup that
 lies nobody sees from the side which end is open."""
 
-STEPS = 18
+TURNS_TRIED = 18
 """Turns tried about the main axis."""
 
 ACROSS = 12
 """Directions across the main axis tried for half turns when none is distinguished."""
 
-ALIKE = 0.05
+EQUAL_INERTIA = 0.05
 """Relative difference below which two moments of inertia distinguish no direction."""
 
-SAMPLES = 400
+SURFACE_POINTS = 400
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +32,7 @@ class NearSymmetry:
     """Motions (k, 4, 4) in the part's frame, the identity first.
 
     When turns by any angle about a line are among them, `axis` (2, 3) holds a point of that
-    line [m] and its direction, and the first `STEPS` motions are the turns about it in equal
+    line [m] and its direction, and the first `TURNS_TRIED` motions are the turns about it in equal
     steps; otherwise `axis` is None.
     """
 
@@ -49,7 +49,7 @@ class NearSymmetry:
     @property
     def turns(self) -> Floats:
         """The motions (m, 4, 4) that are turns about the axis; none when there is no axis."""
-        return self.motions[: 0 if self.axis is None else STEPS]
+        return self.motions[: 0 if self.axis is None else TURNS_TRIED]
 
 
 def find_near_symmetry(
@@ -64,7 +64,7 @@ def find_near_symmetry(
         points: (n, 3) [m] spread over it.
         diameter: of the part [m].
     """
-    itself = _MovedSurface(scene, points[:: max(1, len(points) // SAMPLES)], diameter)
+    itself = _MovedSurface(scene, points[:: max(1, len(points) // SURFACE_POINTS)], diameter)
     middle = points.mean(axis=0)
     moments, axes = np.linalg.eigh(np.cov(points.T))
     # The main axis is the one whose moment stands apart: that of a disc or of a rod.
@@ -75,7 +75,7 @@ def find_near_symmetry(
     larger, smaller = (moments[k] for k in others)
     angles = (
         np.arange(ACROSS) * np.pi / ACROSS
-        if axis is None and larger - smaller < ALIKE * larger
+        if axis is None and larger - smaller < EQUAL_INERTIA * larger
         else np.array([0.0, np.pi / 2])
     )
     for angle in angles:
@@ -94,7 +94,7 @@ def _turns(
     centre = (middle + half[:3, :3] @ middle + half[:3, 3]) / 2  # lies on the axis of a half turn
     turned = pin.log3(half[:3, :3])
     axis = turned / np.linalg.norm(turned)
-    angles = np.arange(1, STEPS) * 2 * np.pi / STEPS
+    angles = np.arange(1, TURNS_TRIED) * 2 * np.pi / TURNS_TRIED
     about = [_turn(centre, axis, angle) for angle in angles]
     if itself.is_near(half) and all(itself.is_near(turn) for turn in about):
         return [np.eye(4), *about], np.stack([centre, axis])
@@ -120,9 +120,9 @@ class _MovedSurface:
     def is_near(self, motion: Floats) -> bool:
         moved = self.points @ motion[:3, :3].T + motion[:3, 3]
         distances = self.scene.compute_distance(o3d.core.Tensor(moved.astype(np.float32))).numpy()
-        if float(distances.mean()) < NEAR * self.diameter:
+        if float(distances.mean()) < SYMMETRIC_WITHIN * self.diameter:
             return True
-        return float(np.mean(distances < NEAR * self.diameter)) > MOSTLY
+        return float(np.mean(distances < SYMMETRIC_WITHIN * self.diameter)) > MOSTLY
 
     def settled(self, motion: Floats) -> Floats:
         """The motion after robust point-to-plane ICP: led by what agrees, not by features."""

@@ -13,7 +13,7 @@ from workbench.model.geometry import Floats, frozen, put, spread_directions
 from workbench.model.part import Part
 from workbench.model.symmetry import BALL, Symmetry
 from workbench.perception.parts.near_symmetry import (
-    STEPS,
+    TURNS_TRIED,
     NearSymmetry,
     find_near_symmetry,
 )
@@ -24,13 +24,13 @@ from workbench.perception.views.surfaces import add_surface, rays_of, triangles_
 DENSE = 12_000
 """Points sampled on the surface before thinning."""
 
-DIRECTIONS = 80
+VIEW_DIRECTIONS = 80
 """From which the part is checked to find which of its surface can be seen at all."""
 
 VOTING, COARSE = 0.08, 0.055
 """Distance of the points for voting and for the first fit, over the diameter."""
 
-FINE_STEPS, ALIKE, ALIKE_NORMALS = 72, 0.6, 0.95
+FINE_STEPS, ALIKE_DISTANCE, ALIKE_NORMALS = 72, 0.6, 0.95
 """Points that turns by any angle, in this many steps, take to within this share of their distance
 from each other, with normals whose cosine is so large, stand for each other."""
 
@@ -149,7 +149,7 @@ def _prepare(part: Part) -> PartSurface:
         scene=scene,
         is_closed=bool(mesh.is_watertight),
         symmetry=find_near_symmetry(scene, outer.points, diameter),
-        stated=part.symmetry.motions(STEPS),
+        stated=part.symmetry.motions(TURNS_TRIED),
         fixed=part.symmetry.invariant_point(middle),
         is_ball=part.symmetry.form == BALL or _is_ball(outer.points, middle, diameter),
     )
@@ -205,7 +205,7 @@ def _unlike(points: OrientedPoints, symmetry: Symmetry, diameter: float) -> np.n
         kept.append(number)
         images, normals = motions[1:, :3, :3] @ p + motions[1:, :3, 3], motions[1:, :3, :3] @ n
         for near, normal in zip(
-            tree.query_ball_point(images, ALIKE * VOTING * diameter), normals, strict=True
+            tree.query_ball_point(images, ALIKE_DISTANCE * VOTING * diameter), normals, strict=True
         ):
             alike = np.array(near, dtype=np.int64)
             is_open[alike[points.normals[alike] @ normal > ALIKE_NORMALS]] = False
@@ -247,7 +247,7 @@ def _can_be_seen(
     """Which points have a free line of sight, not too flat, to somewhere outside."""
     seen = np.zeros(len(surface), dtype=bool)
     start = surface.points + 1e-4 * diameter * surface.normals
-    for direction in spread_directions(DIRECTIONS):
+    for direction in spread_directions(VIEW_DIRECTIONS):
         facing = np.flatnonzero(~seen & (surface.normals @ direction > 0.3))
         towards = np.broadcast_to(direction, (len(facing), 3))
         blocked = scene.test_occlusions(rays_of(start[facing], towards)).numpy()

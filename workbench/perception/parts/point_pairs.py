@@ -23,7 +23,7 @@ Singles = NDArray[np.float32]
 
 DISTANCES = 20
 ANGLES = 15
-TURNS = 30
+TURN_BINS = 30
 """Bins for the distance up to the diameter, for each angle, and for the turn."""
 
 LIMITS = np.append(np.cos(np.arange(1, ANGLES) * np.pi / ANGLES), -np.inf)
@@ -211,8 +211,8 @@ def _vote(
             if height < FEWEST_VOTES:
                 break
             heights[first] = -1.0
-            before, after = counts[first, turn - 1], counts[first, (turn + 1) % TURNS]
-            angle = (turn + (after - before) / (before + height + after)) / TURNS * 2.0 * np.pi
+            before, after = counts[first, turn - 1], counts[first, (turn + 1) % TURN_BINS]
+            angle = (turn + (after - before) / (before + height + after)) / TURN_BINS * 2.0 * np.pi
             c, s = np.cos(angle), np.sin(angle)
             model_frame = _frame(model_normals[first])
             # The frame turned about its first axis, times the other one's inverse.
@@ -246,8 +246,8 @@ def _counts(
     normals: Floats,
 ) -> Singles:  # pragma: no cover (compiled)
     """Votes (size, TURNS) of one reference point: which point of the model, and which turn."""
-    counts = np.zeros((size, TURNS), np.float32)
-    per_turn = TURNS / (2.0 * np.pi)
+    counts = np.zeros((size, TURN_BINS), np.float32)
+    per_turn = TURN_BINS / (2.0 * np.pi)
     p1, n1 = (point[0], point[1], point[2]), (normal[0], normal[1], normal[2])
     second, third = _column(frame, 1), _column(frame, 2)
     for other in range(len(points)):
@@ -263,10 +263,10 @@ def _counts(
             share = place - lower
             # Two turns are less than one round apart, either way: a division would take longer.
             if lower < 0:
-                lower += TURNS
-            elif lower >= TURNS:
-                lower -= TURNS
-            upper = lower + 1 if lower + 1 < TURNS else 0
+                lower += TURN_BINS
+            elif lower >= TURN_BINS:
+                lower -= TURN_BINS
+            upper = lower + 1 if lower + 1 < TURN_BINS else 0
             first = uint64(firsts[entry])
             counts[first, uint64(lower)] += 1.0 - share
             counts[first, uint64(upper)] += share

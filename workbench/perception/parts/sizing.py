@@ -13,7 +13,7 @@ from workbench.model.scan import LocalizationResult
 LEVEL = 0.05
 """See `outwards`: these meshes are exact."""
 
-ROUNDS = 4
+MOST_SEARCHES = 4
 """Searches at most: poses found with a wrong size show the right one only nearly."""
 
 
@@ -76,7 +76,7 @@ def learn_sizes(
     """
     sizes: dict[str, float] = {}
     findings = search(cell)
-    for _ in range(ROUNDS - 1):
+    for _ in range(MOST_SEARCHES - 1):
         checks = (check for check in findings.scales if check.part in names)
         off = {check.part: check.ratio for check in checks if check.is_off}
         if not off:

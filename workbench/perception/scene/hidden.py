@@ -17,7 +17,7 @@ from workbench.perception.views.surfaces import rays_of
 FINEST = 0.004
 """[m] Edge of the cubes that the room is divided into."""
 
-MOST = 200_000
+MOST_CUBES = 200_000
 """Cubes; where there are more they are larger."""
 
 BELOW = 0.001
@@ -100,7 +100,7 @@ def _cubes(cells: Ints, tops: Floats, edge: float, room: Room) -> _Cubes | None:
     low = np.maximum(cells.min(axis=0) * edge - room.reach, -room.half)
     high = np.minimum((cells.max(axis=0) + 1) * edge + room.reach, room.half)
     volume = float(np.prod(high - low)) * height
-    wide = int(np.ceil(max(FINEST, float(np.cbrt(volume / MOST))) / edge))
+    wide = int(np.ceil(max(FINEST, float(np.cbrt(volume / MOST_CUBES))) / edge))
     cube = wide * edge
     first = np.floor(low / cube).astype(np.int64)
     across = np.ceil(high / cube).astype(np.int64) - first

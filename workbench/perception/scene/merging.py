@@ -19,7 +19,7 @@ from workbench.model.robot import ScannedView
 from workbench.model.scan import Scan
 from workbench.perception.views.camera import picture_bounds
 
-AROUND = 0.02
+COMPARED_AROUND = 0.02
 """[m] Points this far outside of the bin, and above its rim, are compared, too."""
 
 MOST_POINTS = 8000
@@ -31,28 +31,28 @@ NEIGHBOURS = 12
 FLAT = 0.05
 """The least of the three spreads of neighbours over the middle one: more is no surface."""
 
-ALIKE = 0.8
+ALIKE_NORMALS = 0.8
 """Cosine between the normals of what is the same place."""
 
 WIDEST, NARROWEST = 0.03, 0.003
 """[m] Within this distance the same place is searched, at first and at last."""
 
-ROUNDS = 20
+FIT_ROUNDS = 20
 
 SHIFT, TURN = 0.002, float(np.deg2rad(0.5))
 """[m], [rad] Deviations that poses are taken to have where the views do not show them."""
 
-OFF, WORTH = 0.0005, 200.0
+POINT_DEVIATION, INDEPENDENT_POINTS = 0.0005, 200.0
 """[m] Deviation of a point from the surface of another view, and how many points err independently:
 neighbours share their errors."""
 
-FEWEST = 200
+FEWEST_PAIRS = 200
 """Pairs of points with fewer of which nothing is compared."""
 
 BEHIND = 0.006
 """[m] What a view measures by so much further away it has seen through a point."""
 
-WIDE = 2.5
+PIXEL_SPACINGS = 2.5
 """Width of the pixels in which views are compared over the distance of points."""
 
 _Cloud = tuple[Floats, Floats]
@@ -132,7 +132,7 @@ def _looked_through(cell: Cell, scan: Scan, other: Scan) -> float:
     low, high = picture_bounds(image)
     is_in = ((image >= low) & (image <= high)).all(axis=1)
     image, depths = image[is_in], ahead[is_in, 2]
-    width = WIDE * max(float(np.sqrt(np.prod(high - low) / len(image))), 1e-6)
+    width = PIXEL_SPACINGS * max(float(np.sqrt(np.prod(high - low) / len(image))), 1e-6)
     shape = np.floor((high - low) / width).astype(int) + 1
     nearest = np.full(shape, np.inf)
     np.minimum.at(nearest, tuple(np.floor((image - low) / width).astype(int).T), depths)
@@ -141,14 +141,14 @@ def _looked_through(cell: Cell, scan: Scan, other: Scan) -> float:
     is_shown = ((at >= 0) & (at < shape)).all(axis=1)
     depth = nearest[tuple(at[is_shown].T)]
     behind = (depth - p[is_shown, 2])[np.isfinite(depth)]
-    return float(np.mean(behind > BEHIND)) if len(behind) >= FEWEST else 0.0
+    return float(np.mean(behind > BEHIND)) if len(behind) >= FEWEST_PAIRS else 0.0
 
 
 def _around(cell: Cell, scan: Scan) -> Floats:
     """The points (n, 3) [m] of a scan in and around the bin, in the world."""
     points = scan.points_world
     p_bin = (points - cell.bin.T_world_bin.translation) @ cell.bin.T_world_bin.rotation
-    half, top = cell.bin.size[:2] / 2 + AROUND, cell.bin.size[2] + AROUND
+    half, top = cell.bin.size[:2] / 2 + COMPARED_AROUND, cell.bin.size[2] + COMPARED_AROUND
     return points[(np.abs(p_bin[:, :2]) <= half).all(axis=1) & (np.abs(p_bin[:, 2]) <= top)]
 
 
@@ -186,22 +186,22 @@ def _fit(cloud: _Cloud, placed: Sequence[_Cloud]) -> pin.SE3:
     tree = KDTree(target)
     middle = points.mean(axis=0)
     prior = np.diag([1 / SHIFT**2] * 3 + [1 / TURN**2] * 3)
-    for number in range(ROUNDS):
+    for number in range(FIT_ROUNDS):
         reach = max(WIDEST * 0.85**number, NARROWEST)
         p = points @ T.rotation.T + T.translation
         away, nearest = tree.query(p, distance_upper_bound=reach)
         close = np.flatnonzero(np.isfinite(away))
         at = np.asarray(nearest)[close]
-        same = np.einsum("nk,nk->n", normals[close] @ T.rotation.T, facing[at]) > ALIKE
+        same = np.einsum("nk,nk->n", normals[close] @ T.rotation.T, facing[at]) > ALIKE_NORMALS
         close, at = close[same], at[same]
-        if len(close) < FEWEST:
+        if len(close) < FEWEST_PAIRS:
             return pin.SE3.Identity()
         n = facing[at]
         off = np.einsum("nk,nk->n", p[close] - target[at], n)
         # What is far off shows something else.
         weight = np.square(1.0 - np.square(off / reach))
         rows = np.hstack([n, np.cross(p[close] - middle, n)])
-        worth = WORTH / float(weight.sum()) / OFF**2
+        worth = INDEPENDENT_POINTS / float(weight.sum()) / POINT_DEVIATION**2
         gone = np.concatenate([T.act(middle) - middle, pin.log3(T.rotation)])
         step = np.linalg.solve(
             worth * (rows * weight[:, None]).T @ rows + prior,

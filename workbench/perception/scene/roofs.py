@@ -9,7 +9,7 @@ from scipy.ndimage import maximum_filter, minimum_filter
 from workbench.model.geometry import Floats, Ints
 from workbench.perception.views.surfaces import rays_of
 
-DEEPEST = -1.0
+BELOW_ALL = -1.0
 """[m] Below any part; rays upwards begin there."""
 
 MOST_CELLS = 100_000
@@ -49,10 +49,10 @@ def roofs_over(
     own = np.full(shape, -np.inf)
     own[tuple((cells - low).T)] = tops
     places = (np.indices(shape).reshape(2, -1).T + low + 0.5) * edge
-    origins = np.column_stack([places, np.full(len(places), DEEPEST)])
+    origins = np.column_stack([places, np.full(len(places), BELOW_ALL)])
     directions = np.broadcast_to((0.0, 0.0, 1.0), origins.shape)
     hits = parts.cast_rays(rays_of(origins, directions), nthreads=1)
-    heights = DEEPEST + hits["t_hit"].numpy().astype(float).reshape(shape)
+    heights = BELOW_ALL + hits["t_hit"].numpy().astype(float).reshape(shape)
     whose = hits["geometry_ids"].numpy().reshape(shape)
     heights[np.isin(whose, whose[own > heights])] = np.inf
     heights = minimum_filter(heights, size=3)

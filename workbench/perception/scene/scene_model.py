@@ -9,9 +9,9 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
-from workbench.perception.bins.bin_check import ENOUGH, REACH, rim_place
+from workbench.perception.bins.bin_check import MOST_POINTS, SEARCHED_AROUND, rim_place
 from workbench.perception.bins.bin_fit import (
-    FARTHEST,
+    SEARCHED_WITHIN,
     SEEN_WALL,
     STEEPEST,
     SeenBin,
@@ -62,7 +62,7 @@ def scene_model(scan: Scan, cell: Cell, *, smallest: float = 0.0) -> SceneModel:
     dense, filled = _filled(scan.points, T_bin_scanner, bin, smallest)
     seen = fit_bin(dense, T_bin_scanner, bin, noise=deviation)
     if (seen.wall_shares < SEEN_WALL).any():
-        points = dense[:: -(-len(dense) // ENOUGH)]
+        points = dense[:: -(-len(dense) // MOST_POINTS)]
         T_bin_rim = rim_place(points @ T_bin_scanner.rotation.T + T_bin_scanner.translation, bin)
         if T_bin_rim is not None and _is_far(T_bin_rim):
             bin = replace(bin, T_world_bin=bin.T_world_bin * T_bin_rim)
@@ -75,7 +75,7 @@ def scene_model(scan: Scan, cell: Cell, *, smallest: float = 0.0) -> SceneModel:
 def _is_far(T_bin_rim: pin.SE3) -> bool:
     """Whether a rim lies further away than floor and walls are searched for."""
     shift, turn = shift_and_turn(T_bin_rim)
-    return shift > FARTHEST or turn > STEEPEST
+    return shift > SEARCHED_WITHIN or turn > STEEPEST
 
 
 def _filled(
@@ -99,7 +99,7 @@ def _filled(
 def _around(points: Floats, T_bin_scanner: pin.SE3, bin: Bin) -> Floats:
     """Those of the points (n, 3) [m] that lie before the scanner, over the bin or close to it."""
     x, y, _ = (points @ T_bin_scanner.rotation.T + T_bin_scanner.translation).T
-    reach = bin.size[:2] / 2 + REACH
+    reach = bin.size[:2] / 2 + SEARCHED_AROUND
     return points[(np.abs(x) < reach[0]) & (np.abs(y) < reach[1]) & (points[:, 2] > 0)]
 
 

@@ -17,10 +17,10 @@ from numba import njit
 from workbench.model.geometry import Floats
 from workbench.perception.views.camera import picture_bounds
 
-NARROW, WIDE = (40, 160), (16, 1000)
+NARROW_WINDOWS, WIDE_WINDOWS = (40, 160), (16, 1000)
 """Windows along the longer side of the image, and about how many points are taken in each."""
 
-ENOUGH = 100_000
+MOST_POINTS = 100_000
 """Points that are checked; of more every second, third, ..."""
 
 FEWEST_POINTS = 16
@@ -62,12 +62,12 @@ def sensor_model(points: Floats) -> SensorModel:
     Args:
         points: (n, 3) [m] in the scanner's frame, organised or not; those before it count.
     """
-    before = points[:: max(1, len(points) // ENOUGH)]
+    before = points[:: max(1, len(points) // MOST_POINTS)]
     before = before[before[:, 2] > 0]
-    narrow = _noise(before, NARROW, np.inf)
+    narrow = _noise(before, NARROW_WINDOWS, np.inf)
     if narrow is None:
         return SensorModel(None)
-    wide = _noise(before, WIDE, STRAY * narrow)
+    wide = _noise(before, WIDE_WINDOWS, STRAY * narrow)
     noise = narrow if wide is None or wide > TIMES * narrow else max(wide, narrow)
     # Rounded, so that it is the same on any machine.
     return SensorModel(min(round(noise, 6), COARSEST))

@@ -8,7 +8,7 @@ from workbench.model.geometry import Bools
 from workbench.model.scan import Detection, Scan
 from workbench.perception.scene.unexplained import TOLERANCE, known_surfaces
 
-FEWEST = 10
+FEWEST_POINTS = 10
 """Points near the surface of a part by which it is seen; a wire of 0.1 m at 1 m shows more."""
 
 ASIDE = TOLERANCE / 2
@@ -45,4 +45,6 @@ def shown(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Bools:
     away = np.linalg.norm(found["points"].numpy() - queries, axis=1)
     whose = owners[found["geometry_ids"].numpy().astype(np.int64)]
     of = [away[(whose == k) & (away <= TOLERANCE)] for k in range(len(detections))]
-    return np.array([len(far) >= FEWEST and float(np.median(far)) <= ASIDE for far in of], bool)
+    return np.array(
+        [len(far) >= FEWEST_POINTS and float(np.median(far)) <= ASIDE for far in of], bool
+    )

@@ -16,22 +16,22 @@ from workbench.perception.views.surfaces import rays_of
 NARROWEST = 0.004
 """[m] Of the blocks in which area is counted: with their neighbours they are three times that."""
 
-ENOUGH = 6e-6
+LEAST_AREA = 6e-6
 """[m2] Area that is believed: a pin of 3 mm, if the scanner sees that fine."""
 
-FEWEST = 5
+FEWEST_PIXELS = 5
 """Pixels that are believed, however large they are."""
 
-SURE = 0.6
+SURE_SHARE = 0.6
 """Share of a whole surface from which on nobody asks whether it is a mistake."""
 
-BESIDE = 1.5
+MIXED_PIXELS = 1.5
 """Pixels from a point to where the surfaces are that it may be mixed of."""
 
 FEW = 50
 """With fewer points nothing is known of how dense they are."""
 
-MOST = 50_000
+MOST_POINTS = 50_000
 """Points by which that is measured; of more of them every second, third, ... is left out."""
 
 A_CELL = 30
@@ -49,7 +49,7 @@ def pixel_angle(points: Floats, chosen: Ints) -> float:
         points: (n, 3) [m] in the scanner's frame, organised or not.
         chosen: (m,) which of them count, as indices.
     """
-    step = max(1, len(chosen) // MOST)
+    step = max(1, len(chosen) // MOST_POINTS)
     some = points[chosen[::step]]
     far = np.linalg.norm(some, axis=1)
     some, far = some[far > 0], far[far > 0]
@@ -89,16 +89,16 @@ def believed(
     """
     if angle == 0.0:
         # How dense they are nobody knows: all of them, or so few that they are no thing.
-        return np.full(len(voxels.counts), voxels.counts.sum() >= FEWEST)
+        return np.full(len(voxels.counts), voxels.counts.sum() >= FEWEST_PIXELS)
     width = max(2, int(np.ceil(max(NARROWEST, 2 * pitch) / voxels.edge)))
     blocks = Blocks(voxels, width)
     seen = blocks.sums(voxels.counts)
     area = max(pitch, 1e-6) ** 2
-    enough = max(FEWEST, ENOUGH / area)
+    enough = max(FEWEST_PIXELS, LEAST_AREA / area)
     whole = (3 * width * voxels.edge) ** 2 / area
     weights = voxels.counts.copy()
     # Alone they are too few even with their neighbours' help, or enough without asking.
-    doubtful = np.flatnonzero(seen < max(enough, SURE * whole))
+    doubtful = np.flatnonzero(seen < max(enough, SURE_SHARE * whole))
     mixed = _may_be_mixed(voxels.centres[doubtful], eye, angle, known)
     weights[doubtful[mixed]] = 0
     core = blocks.sums(weights) >= enough
@@ -117,6 +117,6 @@ def _may_be_mixed(
     other = np.cross(ahead, across)  # as long as the way to the point
     across *= np.linalg.norm(ahead, axis=1)[:, None]
     spread = np.cos(_CLOCK)[:, None] * across[:, None] + np.sin(_CLOCK)[:, None] * other[:, None]
-    rays = rays_of(eye, (ahead[:, None] + BESIDE * angle * spread).reshape(-1, 3))
+    rays = rays_of(eye, (ahead[:, None] + MIXED_PIXELS * angle * spread).reshape(-1, 3))
     hits = known.cast_rays(rays, nthreads=1)["t_hit"].numpy().reshape(-1, len(_CLOCK))
     return (hits.min(axis=1) < 1.0) & (hits.max(axis=1) > 1.0)

@@ -38,7 +38,7 @@ NARROWEST = 0.006
 BETWEEN = 1.5
 """Width of a grid cell over the distance of points: what lies between them is not seen."""
 
-FARTHEST = 20.0
+FARTHEST_REACH = 20.0
 """[m] No arm gets further, whatever the limits of its joints say."""
 
 GOES_ON = 0.25
@@ -90,7 +90,7 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
     T_bin_world = cell.bin.T_world_bin.inverse()
     T_bin_scanner = T_bin_world * scan.T_world_scanner
     centre = T_bin_world.act(cell.T_world_robot.translation)
-    radius = min(reach(cell), FARTHEST)
+    radius = min(reach(cell), FARTHEST_REACH)
     boxes = [
         (T_bin_world * T, solid.shape.size)
         for T, solid in _solids(cell)

@@ -23,13 +23,13 @@ FILLED = 0.75
 STEEPEST = 0.03
 """[m] Heights in one box may differ by this much before it is split."""
 
-NARROW = 0.03
+NARROW_BOX = 0.03
 """[m] A box no wider than this is not split."""
 
-FEWEST = 6
+FEWEST_CELLS = 6
 """Grid cells up to which a heap is not split."""
 
-MOST = 40
+MOST_BOXES = 40
 """Boxes; heaps that are nearest to each other become one, and are no longer split."""
 
 FLATTEST = 0.006
@@ -58,7 +58,7 @@ class Grid:
 def upright_boxes(
     cells: Ints, tops: Floats, grid: Grid, roofs: Roofs = NO_ROOFS
 ) -> tuple[Obstacle, ...]:
-    """Boxes in the frame of the cells that hold all of them, `MOST` at the most.
+    """Boxes in the frame of the cells that hold all of them, `MOST_BOXES` at the most.
 
     Args:
         cells: (n, 2) whole numbers, of a grid seen from above, each once.
@@ -73,14 +73,14 @@ def upright_boxes(
     boxes: list[Obstacle] = []
     for number in range(count):
         is_here = heaps == number
-        left = MOST - len(boxes) - (count - 1 - number)
+        left = MOST_BOXES - len(boxes) - (count - 1 - number)
         boxes += _boxes(cells[is_here], tops[is_here], grid, roofs, left)
     return tuple(boxes)
 
 
 def _few_heaps(cells: Ints, reach: int) -> Ints:
-    """Which of at most `MOST` heaps each of the cells (k, 2) belongs to, (k,)."""
-    while (heaps := _heaps(cells, reach)).max(initial=-1) >= MOST:
+    """Which of at most `MOST_BOXES` heaps each of the cells (k, 2) belongs to, (k,)."""
+    while (heaps := _heaps(cells, reach)).max(initial=-1) >= MOST_BOXES:
         reach *= 2
     return heaps
 
@@ -112,7 +112,7 @@ def _boxes(cells: Ints, heights: Floats, grid: Grid, roofs: Roofs, most: int) ->
     # The grid adds a rim of half a cell to whatever lies aslant in it.
     is_full = len(coarse) * edge**2 >= FILLED * np.prod(size - grid.edge)
     is_level = float(np.ptp(heights)) <= STEEPEST
-    is_small = size[0] <= NARROW or len(coarse) <= FEWEST
+    is_small = size[0] <= NARROW_BOX or len(coarse) <= FEWEST_CELLS
     is_neat = is_small or (is_full and is_level)
     if is_neat and (clear or size[0] <= SMALLEST):
         return [box]

@@ -16,7 +16,7 @@ from workbench.model.part import Part
 from workbench.perception.simulation.physics import add_solid
 from workbench.perception.views.surfaces import triangles_of
 
-STEP = 0.001
+TIME_STEP = 0.001
 """[s] Of simulated time."""
 
 CLOSING = 0.02
@@ -36,7 +36,7 @@ PAD, PLANE = (0.4, 0.001, 0.0), (0.4, 0.002, 0.0005)
 """Friction of pads and of what the part lies on, no unit; that against turning about the normal
 [m], as soft pads have it; and against rolling [m]."""
 
-LONGEST, STILL = 2.0, 1e-3
+CLOSES_WITHIN, STILL_SPEED = 2.0, 1e-3
 """[s] In which the fingers have to close; [m/s] they have when they move no more."""
 
 SETTLE, SHAKE = 0.1, 0.1
@@ -87,7 +87,7 @@ class HeldPart:
 def world_of_grips() -> mujoco.MjSpec:
     """An empty world, computed so that what fingers press on does not creep."""
     spec = mujoco.MjSpec()
-    spec.option.timestep = STEP
+    spec.option.timestep = TIME_STEP
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 10.0
@@ -102,7 +102,7 @@ def close_alike(spec: mujoco.MjSpec) -> None:
         name1="slide1",
         name2="slide0",
         data=[0.0, 1.0, *[0.0] * 10],
-        solref=[2 * STEP, 1.0],
+        solref=[2 * TIME_STEP, 1.0],
     )
 
 
@@ -163,7 +163,7 @@ class Gripping:
         data = self._refine_best_symmetric(
             pin.SE3(np.eye(3), self._T_world_part.translation + ASIDE)
         )
-        mujoco.mj_step(self._model, data, nstep=round(WHILE / STEP))
+        mujoco.mj_step(self._model, data, nstep=round(WHILE / TIME_STEP))
         return pose_of(data)
 
     def grip(self, T_world_tcp: pin.SE3, opening: float, shaking: Shaking) -> HeldPart:
@@ -176,11 +176,11 @@ class Gripping:
             return HeldPart()
         model.dof_damping[6:] = shaking.force / CLOSING
         data.qfrc_applied[6:] = -shaking.force
-        for _ in range(round(LONGEST / STEP / 10)):
+        for _ in range(round(CLOSES_WITHIN / TIME_STEP / 10)):
             mujoco.mj_step(model, data, nstep=10)
-            if np.abs(data.qvel[6:]).max() < STILL and self._touches(data):
+            if np.abs(data.qvel[6:]).max() < STILL_SPEED and self._touches(data):
                 break
-        mujoco.mj_step(model, data, nstep=round(SETTLE / STEP))
+        mujoco.mj_step(model, data, nstep=round(SETTLE / TIME_STEP))
         closed = T_world_tcp.actInv(pose_of(data))
         if not self._touches(data):
             return HeldPart()
@@ -189,7 +189,7 @@ class Gripping:
         a = shaking.acceleration
         for way in ((0, 0, a), (a, 0, 0), (-a, 0, 0), (0, a, 0), (0, -a, 0), (0, 0, 0)):
             model.opt.gravity[:] = -np.array(way, float) - (0.0, 0.0, GRAVITY)
-            mujoco.mj_step(model, data, nstep=round(SHAKE / STEP))
+            mujoco.mj_step(model, data, nstep=round(SHAKE / TIME_STEP))
         return HeldPart(closed, T_world_tcp.actInv(pose_of(data)))
 
     def _touches(self, data: mujoco.MjData) -> bool:

@@ -5,7 +5,7 @@ from scipy import ndimage
 
 from workbench.model.geometry import Floats
 
-REACH = 6
+LIGHT_PIXELS = 6
 """[pixels] From how far around light is thrown into concave corners."""
 
 
@@ -31,7 +31,7 @@ def lengthened(depth: Floats, share: float) -> Floats:
         share: of how much deeper a place lies than what surrounds it, that is added.
     """
     held = np.isfinite(depth)
-    size = 2 * REACH + 1
+    size = 2 * LIGHT_PIXELS + 1
     count = ndimage.uniform_filter(held.astype(float), size)
     total = ndimage.uniform_filter(np.where(held, depth, 0.0), size)
     around = total / np.maximum(count, 1e-9)

@@ -17,7 +17,7 @@ from workbench.model.recipes.kit import Insertion
 from workbench.perception.simulation.gripping import quaternion_of, world_of_grips
 from workbench.perception.simulation.physics import add_solid
 
-STEP = 0.0005
+TIME_STEP = 0.0005
 """[s] Of simulated time."""
 
 SPEED, SETTLE = 0.02, 0.1
@@ -79,7 +79,7 @@ class Inserting:
         R = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), self._along).matrix()
         T_base_joint = pin.SE3(R, np.array(joint.mouth))
         spec = world_of_grips()
-        spec.option.timestep = STEP
+        spec.option.timestep = TIME_STEP
         spec.option.gravity = np.zeros(3)
         base = spec.worldbody.add_body(name="base")
         hand = spec.worldbody.add_body(name="hand")
@@ -102,7 +102,7 @@ class Inserting:
         for body, solid in solids:
             geom = add_solid(spec, body, solid)
             geom.condim, geom.friction = 3, [push.friction, 0.0, 0.0]
-            geom.solref, geom.solimp = [2 * STEP, 1.0], [0.99, 0.999, 1e-4, 0.5, 2.0]
+            geom.solref, geom.solimp = [2 * TIME_STEP, 1.0], [0.99, 0.999, 1e-4, 0.5, 2.0]
             geom.contype = geom.conaffinity = 1
         _drive(spec, push.force)
         self._model = model = spec.compile()
@@ -119,8 +119,8 @@ class Inserting:
         data = mujoco.MjData(model)
         data.qpos[0] = start = -(joint.depth + joint.chamfer + LEAD)
         pushed, every = 0.0, 20
-        for k in range(round((-start / SPEED + SETTLE) / STEP / every)):
-            data.ctrl[0] = min(start + SPEED * k * every * STEP, 0.0)
+        for k in range(round((-start / SPEED + SETTLE) / TIME_STEP / every)):
+            data.ctrl[0] = min(start + SPEED * k * every * TIME_STEP, 0.0)
             mujoco.mj_step(model, data, nstep=every)
             pushed = max(pushed, float(np.linalg.norm(data.qpos[1:])))
         return Inserted(-float(data.qpos[0]), pushed)

@@ -24,7 +24,7 @@ floor.  Its own estimate is too small for flat parts of many pieces.  Only what 
 FULL = (mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL)
 """Warnings of MuJoCo that it has dropped contacts."""
 
-LONGEST = 4.0
+LONGEST_SETTLING = 4.0
 """[s] of simulated time after the last drop, if the parts do not come to rest before."""
 
 CONVERGED = 0.01
@@ -138,7 +138,7 @@ def advance(model: mujoco.MjModel, data: mujoco.MjData, steps: int = 1) -> None:
 def come_to_rest(model: mujoco.MjModel, data: mujoco.MjData, radius: float) -> None:
     """Let time pass until all parts lie still, or fall; `radius` [m] is that of the largest."""
     speed, place = data.qvel.reshape(-1, 6), data.qpos.reshape(-1, 7)
-    for _ in range(round(LONGEST / TIMESTEP / 25)):
+    for _ in range(round(LONGEST_SETTLING / TIMESTEP / 25)):
         advance(model, data, 25)
         there = np.abs(speed[place[:, 2] > LOST]) * ([1.0] * 3 + [radius] * 3)
         if there.max(initial=0.0) < CONVERGED:

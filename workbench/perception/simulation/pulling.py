@@ -17,11 +17,11 @@ from workbench.model.cell import Tool
 from workbench.model.geometry import Floats, Solid, Sphere, finest, shift_and_turn
 from workbench.model.part import Part
 from workbench.perception.simulation.gripping import (
+    CLOSES_WITHIN,
     CLOSING,
     FINGER_MASS,
-    LONGEST,
-    STEP,
-    STILL,
+    STILL_SPEED,
+    TIME_STEP,
     close_alike,
     pose_of,
     quaternion_of,
@@ -128,21 +128,21 @@ class Pulling:
         data.qpos[7:] = width / 2 + ROOM
         model.dof_damping[6:] = grip.force / CLOSING
         data.qfrc_applied[6:] = -grip.force
-        for _ in range(round(LONGEST / STEP / 10)):
+        for _ in range(round(CLOSES_WITHIN / TIME_STEP / 10)):
             self._step(data, 10)
-            if np.abs(data.qvel).max() < STILL and len(data.contact.geom):
+            if np.abs(data.qvel).max() < STILL_SPEED and len(data.contact.geom):
                 break
         model.dof_damping[6:] *= FREELY
-        self._step(data, round(RISES / STEP))
+        self._step(data, round(RISES / TIME_STEP))
         far, turn = shift_and_turn(self._T_tcp_part.actInv(pose_of(data)))
         return data if len(data.contact.geom) and far <= SLIPS and turn <= TIPS else None
 
     def _pull(self, data: mujoco.MjData, pull: Floats) -> mujoco.MjData:
-        data, steps = copy.copy(data), round(RISES / STEP)
+        data, steps = copy.copy(data), round(RISES / TIME_STEP)
         for k in range(steps):
             self._model.opt.gravity[:] = pull * (k + 1) / steps
             self._step(data, 1)
-        self._step(data, round(PULLS / STEP))
+        self._step(data, round(PULLS / TIME_STEP))
         self._model.opt.gravity[:] = 0.0
         return data
 

@@ -12,10 +12,10 @@ from numba import njit
 from workbench.model.geometry import Floats
 from workbench.perception.views.camera import picture_bounds
 
-REACH = 1.2
+FILLED_SPACINGS = 1.2
 """Spacings of the points up to which a pixel is filled from its nearest point."""
 
-AROUND = 2.0
+SURFACE_SPACINGS = 2.0
 """Spacings within which points may lie on the same surface."""
 
 STEEPEST = 0.7
@@ -24,7 +24,7 @@ STEEPEST = 0.7
 FINEST = 4.0
 """Pixels between neighbouring points at most: more would not make it finer."""
 
-SAME = 0.15
+SAME_SURFACE_SHARE = 0.15
 """Depths that differ by less than this share of the points' distance lie on one surface."""
 
 COUNTED = 8.0
@@ -49,7 +49,7 @@ def densify(points: Floats, pitch: float) -> Floats:
     if not 0.0 < step < spacing:
         return points
     columns, rows = np.ceil((high - low) / step).astype(int) + 1
-    gate = SAME * spacing * distance
+    gate = SAME_SURFACE_SHARE * spacing * distance
     filled = fill_in(points, low, float(step), spacing / step, gate, (int(rows), int(columns)))
     return np.concatenate([points, filled])
 
@@ -99,7 +99,7 @@ def fill_in(
             held[v, u] = k
     filled = np.empty((rows * columns, 3))
     count = 0
-    reach, around = REACH * spacing, int(np.ceil(AROUND * spacing))
+    reach, around = FILLED_SPACINGS * spacing, int(np.ceil(SURFACE_SPACINGS * spacing))
     for v in range(rows):
         for u in range(columns):
             if held[v, u] >= 0:

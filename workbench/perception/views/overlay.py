@@ -12,7 +12,7 @@ from workbench.model.scan import Scan
 from workbench.perception.views.camera import Pinhole
 from workbench.perception.views.rendering import rendered
 
-WIDE = 1280
+PICTURE_WIDTH = 1280
 """[pixels] Width of a picture."""
 
 POINTS_A_PIXEL = 1.0
@@ -97,10 +97,10 @@ def _camera(points: Floats) -> tuple[Pinhole, int]:
     margin = 0.03 * (high - low)
     low, high = low - margin, high + margin
     step = float(np.sqrt(np.prod(high - low) * POINTS_A_PIXEL / len(points)))
-    step = max(step, float(high[0] - low[0]) / WIDE)
+    step = max(step, float(high[0] - low[0]) / PICTURE_WIDTH)
     columns, rows = np.ceil((high - low) / step).astype(int) + 1
     camera = Pinhole(1.0 / step, -low / step, (int(rows), int(columns)))
-    return camera, max(1, round(WIDE / columns))
+    return camera, max(1, round(PICTURE_WIDTH / columns))
 
 
 def _picture_of(scan: Scan, camera: Pinhole) -> Floats:

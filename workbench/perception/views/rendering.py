@@ -10,7 +10,7 @@ from numba import njit, uint64
 from workbench.model.geometry import Floats, Ints
 from workbench.perception.views.motions import motion_of, moved
 
-NARROW = 6
+NARROW_TRIANGLE = 6
 """[pixels] Of triangles up to this width all pixels around are tried: that is less work than to
 find out where each row begins and ends."""
 
@@ -91,7 +91,7 @@ def rendered(
         p0, p1, p2 = _cross(side, bx, by, bz, cx, cy, cz)
         q0, q1, q2 = _cross(side, cx, cy, cz, ax, ay, az)
         r0, r1, r2 = _cross(side, ax, ay, az, bx, by, bz)
-        is_wide = last_end - first_start > NARROW
+        is_wide = last_end - first_start > NARROW_TRIANGLE
         ab, bc, ca = 0.0, 0.0, 0.0
         if is_wide:
             ab, bc, ca = _slope(au, av, bu, bv), _slope(bu, bv, cu, cv), _slope(cu, cv, au, av)

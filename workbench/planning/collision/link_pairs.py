@@ -15,7 +15,7 @@ from workbench.model.geometry import Bools, Ints
 from workbench.planning.collision.bodies import carried_bodies, geometry_of
 from workbench.planning.kinematics.robot import Kinematics
 
-SAMPLES = 1000
+RANDOM_POSTURES = 1000
 ALWAYS = 0.95
 """A pair that meets in this share of the samples meets by how it is built."""
 EVERY = 20
@@ -86,14 +86,16 @@ def _meetings(
     rng = np.random.default_rng(seed)
     hits = np.zeros(len(are_neighbours), int)
     looked_at = np.arange(len(of))
-    for number in range(1, SAMPLES + 1):
+    for number in range(1, RANDOM_POSTURES + 1):
         q = rng.uniform(model.lowerPositionLimit, model.upperPositionLimit)
         pin.computeCollisions(model, data, geometry, found, q, False)
         met = [k for k in looked_at.tolist() if found.collisionResults[k].isCollision()]
         hits[np.unique(of[met])] += 1
         if number % EVERY == 0:
-            is_known = np.where(are_neighbours, hits > 0, number - hits > (1 - ALWAYS) * SAMPLES)
+            is_known = np.where(
+                are_neighbours, hits > 0, number - hits > (1 - ALWAYS) * RANDOM_POSTURES
+            )
             for k in looked_at[is_known[of[looked_at]]].tolist():
                 found.deactivateCollisionPair(k)
             looked_at = looked_at[~is_known[of[looked_at]]]
-    return np.where(are_neighbours, hits > 0, hits >= ALWAYS * SAMPLES)
+    return np.where(are_neighbours, hits > 0, hits >= ALWAYS * RANDOM_POSTURES)

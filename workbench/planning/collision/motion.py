@@ -24,7 +24,7 @@ from workbench.model.motion import MotionModel
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.world import World
 
-NARROW = 0.02
+SHARP_CORNER = 0.02
 """[rad] Roundings of a corner at which no joint differs by more than this have none between."""
 
 CHORDS = 4
@@ -69,7 +69,7 @@ def bound_curves(path: Floats, motion: MotionModel, zone: float) -> Curves:
 
     That is every linear motion from waypoint to waypoint, where it stops or a zone cannot be done;
     and every corner rounded, or cut straight where it is streamed, by as much as may be and by
-    less, in steps of `NARROW`.
+    less, in steps of `SHARP_CORNER`.
     """
     if motion.corners == "stop" or zone <= 0 or len(path) < 3:
         return straight(path)
@@ -88,7 +88,7 @@ def _walk(path: Floats, wide: float, pieces: int) -> tuple[Floats, Ints]:
         for i in range(n):
             turn = max(turn, abs(path[k - 1, i] - 2.0 * path[k, i] + path[k + 1, i]))
         # The middle of a parabola is a quarter of this from its corner, of a straight cut half.
-        count = np.ceil(wide * turn / (NARROW * (2.0 if pieces == 1 else 4.0)))
+        count = np.ceil(wide * turn / (SHARP_CORNER * (2.0 if pieces == 1 else 4.0)))
         counts[k - 1] = max(int(count), 1)
     total = last + pieces * counts.sum()
     points, waypoints = np.empty((total, 3, n)), np.empty(total, np.int64)

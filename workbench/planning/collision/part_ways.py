@@ -27,14 +27,14 @@ from workbench.planning.collision.pairing import distances_to_keep
 from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.unknown_rolls import Placed, place_pieces
 
-STEP = 0.004
+CHECK_SPACING = 0.004
 """[m] Parts are checked this far apart on their way."""
 
 ASIDE = 0.0005
 """[m] An arm's way, straight between waypoints of its joints, is so far from the straight line."""
 
 
-FIRST = 0.003
+WAY_START = 0.003
 """[m] So much of a way states whether it leads away from what the part lies against.
 
 The distance of two convex bodies is a convex function of the way, so what gains here gains on."""
@@ -94,7 +94,7 @@ class _Turns(NamedTuple):
 
 def steps_along(first: float, most: float) -> Floats:
     """How far [m] along a way something is checked, shape (k,): from `first` to its end."""
-    return np.append(np.arange(first, most, STEP), most)
+    return np.append(np.arange(first, most, CHECK_SPACING), most)
 
 
 def kept_on_ways(cell: Cell) -> float:
@@ -161,7 +161,7 @@ class PartWays:
 
         It is the least over all that is nearer at the start than the policy's `near_margin`: about
         0 where the part only rubs along something, negative where it is pushed into that, and at
-        most `FIRST`, as where nothing is near.  Parts whose roll is unknown count as in `room_of`.
+        most `WAY_START`, as where nothing is near.  Parts of unknown roll count as in `room_of`.
 
         Args:
             number: of the detection.
@@ -185,7 +185,7 @@ class PartWays:
             if number not in self._against:
                 self._against[number] = self._lying_against(number)
             most = float(np.linalg.norm(way))
-            first = min(FIRST, most)
+            first = min(WAY_START, most)
             step = way * (first / most) if most > 0 else way
             against = self._against[number]
             begins = np.array([begin for _, _, begin in against])

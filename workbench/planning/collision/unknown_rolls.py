@@ -24,7 +24,7 @@ from workbench.model.part import Part
 from workbench.model.scan import Detection
 from workbench.model.symmetry import make_turn
 
-TURNS, BETWEEN = 24, 0.001
+FEWEST_TURNS, TURN_SPACING = 24, 0.001
 """A part is checked at least at this many turns; [m] the most that a point may be from where it is
 at the nearest one."""
 
@@ -56,7 +56,7 @@ def axis_of(part: Part, detection: Detection) -> Floats:
     return np.array([part.symmetry.point, part.symmetry.axis])
 
 
-def turns_about(axis: Floats, count: int = TURNS) -> tuple[pin.SE3, ...]:
+def turns_about(axis: Floats, count: int = FEWEST_TURNS) -> tuple[pin.SE3, ...]:
     """Turns about an axis (2, 3) [m], see `axis_of`, in equal steps, none at all first."""
     point, direction = axis
     angles = np.arange(count) * 2 * np.pi / count
@@ -73,8 +73,8 @@ def place_pieces(part: Part, detection: Detection) -> tuple[Placed, ...]:
             for piece, room in zip(part.pieces, rooms, strict=True)
             if isinstance(room.shape, Cylinder) and not _is_round(piece, room)
         ]
-        count = int(np.ceil(np.pi * max(uneven, default=0.0) / BETWEEN))
-        turns = list(turns_about(axis_of(part, detection), max(count, TURNS)))
+        count = int(np.ceil(np.pi * max(uneven, default=0.0) / TURN_SPACING))
+        turns = list(turns_about(axis_of(part, detection), max(count, FEWEST_TURNS)))
     return tuple(
         tuple(
             (piece.shape, T * turn * piece.T_owner_shape)

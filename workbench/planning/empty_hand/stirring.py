@@ -38,7 +38,7 @@ OVER_FLAT, HIGHEST = 0.001, 0.02
 """[m] Just above a part that lies flat, the hand tips those that lean on a wall or on others.
 Above `HIGHEST` it passes over most parts."""
 
-TURNS = np.deg2rad([0.0, 90.0, 45.0, 135.0, 180.0, 270.0])
+HAND_TURNS = np.deg2rad([0.0, 90.0, 45.0, 135.0, 180.0, 270.0])
 """[rad] Of the hand about its axis, one after the other."""
 
 HALVES = ((-1.0, 1.0), (0.0, 1.0), (-1.0, 0.0))
@@ -117,7 +117,7 @@ def _rings(cell: Cell, scene: Scene) -> Iterator[_Rings]:
     longest, narrow = max(np.linalg.norm(size) for size in sizes), min(cell.bin.size[:2])
     apart = float(max(longest / 2, LEAST_RING, narrow / (2 * MOST_RINGS)))
     best = min(min(float(size.min()) for size in sizes) + OVER_FLAT, HIGHEST)
-    for half, inset, height, turn in product(HALVES, INSETS, HEIGHTS, TURNS):
+    for half, inset, height, turn in product(HALVES, INSETS, HEIGHTS, HAND_TURNS):
         low, high = np.array([-0.5, half[0] / 2]), np.array([0.5, half[1] / 2])
         size = np.asarray(cell.bin.size[:2])
         low, high = low * size + inset, high * size - inset

@@ -23,10 +23,10 @@ from workbench.planning.grasps.part_rays import NOTHING, first_hits, normals_of
 from workbench.planning.grasps.resting import ways_to_lie
 from workbench.planning.kinematics.quickness import tool_acceleration
 
-DIRECTIONS = 60
+UP_DIRECTIONS = 60
 """Of the part that point up, spread over the sphere."""
 
-TURNS = 4
+VERTICAL_TURNS = 4
 """Of the part about the vertical, for each of them."""
 
 PLACES = ((0.0, 0.0), (-0.25, -0.25), (0.25, 0.25))
@@ -103,8 +103,8 @@ def coverage(
     cell: Cell,
     part: Part,
     *,
-    directions: int = DIRECTIONS,
-    turns: int = TURNS,
+    directions: int = UP_DIRECTIONS,
+    turns: int = VERTICAL_TURNS,
     places: tuple[tuple[float, float], ...] = PLACES,
     advise: bool = True,
     report: Callable[[float, Message], None] = lambda done, note: None,

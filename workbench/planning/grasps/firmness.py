@@ -36,7 +36,7 @@ MOST_TIMES = 9.9
 """Times the load: more is as good."""
 
 _FIRST = [np.array(d) / np.linalg.norm(d) for d in product((-1, 0, 1), repeat=3) if np.any(d)]
-DIRECTIONS = [d for d in _FIRST if np.count_nonzero(np.abs(d) > 1e-9) != 2]
+LOAD_DIRECTIONS = [d for d in _FIRST if np.count_nonzero(np.abs(d) > 1e-9) != 2]
 """Along the axes and the corners of a cube: in which the load pulls first."""
 
 
@@ -105,15 +105,15 @@ def firmness(contacts: Contacts, centre: Floats, mass: float, acceleration: floa
     load = RESERVE * mass * (GRAVITY + acceleration)
     program = GripProgram(contacts)
     radius, worst = np.inf, np.zeros(3)
-    ways = list(DIRECTIONS)
-    for number in range(len(DIRECTIONS) + REFINED):
-        way = ways[number] if number < len(DIRECTIONS) else worst
+    ways = list(LOAD_DIRECTIONS)
+    for number in range(len(LOAD_DIRECTIONS) + REFINED):
+        way = ways[number] if number < len(LOAD_DIRECTIONS) else worst
         force, side = program.most(way, centre)
         far = abs(force * float(side @ way))
         if far < radius:
             # The side faces outward, as what pulls along it is what is not held.
             radius, worst = far, side if side @ way > 0 else -side
-        elif number >= len(DIRECTIONS):
+        elif number >= len(LOAD_DIRECTIONS):
             break
     middle = np.mean([touch.points.mean(axis=0) for touch in contacts.touches], axis=0)
     return Firmness(

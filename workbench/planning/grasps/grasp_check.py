@@ -34,7 +34,7 @@ FRICTION = np.arctan(0.4)
 ROUNDING = 1e-5
 """[m] What cuts no deeper touches."""
 
-STEP = 0.002
+CHECK_SPACING = 0.002
 """[m] Along the approach."""
 
 LEAST_AREA = 10e-6
@@ -138,7 +138,7 @@ class GraspChecker:
             distance, name = self.clearance(T, grasp.opening)
             if distance < worst:
                 worst, where, at = distance, gone, name
-            gone += max(distance, STEP)
+            gone += max(distance, CHECK_SPACING)
         return worst, where, at
 
     def hold(self, T_part_tcp: pin.SE3, opening: float | None = None) -> PadContact | None:

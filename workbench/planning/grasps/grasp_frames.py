@@ -22,10 +22,10 @@ PALM_ROOM = 0.002
 PLAY = 0.005
 """[m] Of air on each side of the part between open fingers."""
 
-TURNS = 12
+CLOSING_DIRECTIONS = 12
 """Directions tried in which the fingers may close, over half a turn."""
 
-ALIKE = 0.0002
+SAME_WIDTH = 0.0002
 """[m] Widths that differ less are the same."""
 
 
@@ -75,7 +75,7 @@ def frame_at(checker: GraspChecker, point: Floats, normal: Floats) -> pin.SE3:
         hold = checker.hold(T)
         widths.append(np.inf if hold is None else hold.width)
     # The first of those that are as narrow: it lies along an axis of the part.
-    narrow = int(np.flatnonzero(np.array(widths) <= min(widths) + ALIKE)[0])
+    narrow = int(np.flatnonzero(np.array(widths) <= min(widths) + SAME_WIDTH)[0])
     return centre_on_grip(checker, frames[narrow])
 
 
@@ -162,7 +162,7 @@ def _across(z: Floats) -> list[Floats]:
     first = flat @ axes[0]
     first /= np.linalg.norm(first)
     second = np.cross(z, first)
-    turns = np.arange(1, TURNS) * np.pi / TURNS
+    turns = np.arange(1, CLOSING_DIRECTIONS) * np.pi / CLOSING_DIRECTIONS
     own = [flat @ axis for axis in axes[:2] if np.linalg.norm(flat @ axis) > 0.1]
     return [*own, *(np.cos(turn) * first + np.sin(turn) * second for turn in turns)]
 

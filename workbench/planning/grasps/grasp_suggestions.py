@@ -32,9 +32,9 @@ from workbench.planning.grasps.part_rays import (
     normals_of,
     samples_of,
 )
-from workbench.planning.grasps.part_symmetry import STEPS
+from workbench.planning.grasps.part_symmetry import TURNS_TRIED
 
-SAMPLES = 400
+SURFACE_POINTS = 400
 """Points on the surface."""
 
 SIDES = 8
@@ -43,11 +43,11 @@ SIDES = 8
 LOOKS = 400
 """Grasps that are checked closely, at most."""
 
-APART = 0.12
+ALIKE_DISTANCE = 0.12
 """Share of the part's size: grasps nearer to each other, and turned by less, are alike."""
 
-TURNED = np.deg2rad(30.0)
-"""[rad] See `APART`."""
+ALIKE_TURN = np.deg2rad(30.0)
+"""[rad] See `ALIKE_DISTANCE`."""
 
 PAD = 50e-6
 """[m2] A pad that touches more holds no better."""
@@ -142,7 +142,7 @@ def suggest(
 def _opposite(checker: GraspChecker, pads: Pads, rng: np.random.Generator) -> list[_Idea]:
     """Hands around pairs of points whose normals are opposite."""
     mesh = checker.part.mesh
-    points, inward, widths, angles = opposite_points(checker, SAMPLES, rng)
+    points, inward, widths, angles = opposite_points(checker, SURFACE_POINTS, rng)
     middles = points + widths[:, None] / 2 * inward
     levers = np.linalg.norm(middles - centre_of_mass(mesh), axis=1)
     size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
@@ -206,7 +206,7 @@ def _even(checker: GraspChecker, rng: np.random.Generator) -> list[_Idea]:
     """Cups on points, in the middle of the flat faces first."""
     mesh = checker.part.mesh
     normals, _ = normals_of(mesh)
-    points, triangles = samples_of(mesh, SAMPLES, rng)
+    points, triangles = samples_of(mesh, SURFACE_POINTS, rng)
     flat_points, flat_normals = _flat_faces(mesh)
     points = np.vstack([flat_points, points])
     outward = np.vstack([flat_normals, normals[triangles]])
@@ -286,7 +286,7 @@ class _Kept:
     """Grasps that count already, with all that are the same grip for the part's symmetry."""
 
     def __init__(self, part: Part, tool: Tool):
-        self._motions = part.symmetry.motions(STEPS)
+        self._motions = part.symmetry.motions(TURNS_TRIED)
         self._size = float(np.linalg.norm(np.ptp(part.mesh.points, axis=0)))
         self._is_round = not tool.fingers
         self._changes = len(tool.fingers) == 2
@@ -303,10 +303,10 @@ class _Kept:
 
     def has_like(self, T: pin.SE3) -> bool:
         """Whether a grasp is like one of them."""
-        near = np.linalg.norm(self._p - T.translation, axis=1) < APART * self._size
+        near = np.linalg.norm(self._p - T.translation, axis=1) < ALIKE_DISTANCE * self._size
         R = self._R[near]
         if self._is_round:
             cosines = R[:, :, 2] @ T.rotation[:, 2]
         else:
             cosines = (np.einsum("nij,ij->n", R, T.rotation) - 1) / 2
-        return bool((cosines > np.cos(TURNED)).any())
+        return bool((cosines > np.cos(ALIKE_TURN)).any())

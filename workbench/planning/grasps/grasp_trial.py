@@ -18,7 +18,7 @@ from workbench.planning.grasps.pads import outline
 from workbench.planning.kinematics.chain import Chain, chain_of, is_solution
 from workbench.planning.kinematics.inverse import configurations
 
-STARTS = 6
+IK_STARTS = 6
 """Starting points of the inverse kinematics, beside the answer before."""
 
 NO_TARGET = -2
@@ -216,5 +216,5 @@ def _stuck(
 def _starts(chain: Chain, arm: Arm) -> Floats:
     """Home, the middle of the range, and random configurations, the same every time."""
     rng = np.random.default_rng(0)
-    random = rng.uniform(chain.lower, chain.upper, (STARTS - 2, len(chain.lower)))
+    random = rng.uniform(chain.lower, chain.upper, (IK_STARTS - 2, len(chain.lower)))
     return np.vstack([arm.home, (chain.lower + chain.upper) / 2, random])

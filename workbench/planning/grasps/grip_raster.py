@@ -27,7 +27,7 @@ from workbench.planning.grasps.part_rays import centre_of_mass, normals_of, samp
 PAIRS, POINTS = 500, 2000
 """Points of the surface: that one finger touches, or a cup."""
 
-SIDES, TURNS = 24, 8
+HAND_SIDES, CUP_TURNS = 24, 8
 """Ways in which a hand comes to two points, and in which a cup is turned."""
 
 DEPTHS = (0.001, 0.003, 0.006, 0.010, 0.015)
@@ -170,13 +170,13 @@ def _pinches(
 ) -> tuple[Floats, Floats, Floats]:
     """Hands around pairs of points: rotations (n, 3, 3), places (n, 3) [m], and widths (n,) [m]."""
     points, inward, widths, _ = opposite_points(checker, PAIRS, rng)
-    middles = np.repeat(points + widths[:, None] / 2 * inward, SIDES, axis=0)
-    z, y = sides(inward, SIDES).reshape(-1, 3), np.repeat(inward, SIDES, axis=0)
+    middles = np.repeat(points + widths[:, None] / 2 * inward, HAND_SIDES, axis=0)
+    z, y = sides(inward, HAND_SIDES).reshape(-1, 3), np.repeat(inward, HAND_SIDES, axis=0)
     R = np.stack([np.cross(y, z), y, z], axis=2) @ pads.R_tcp_closing.T
     return (
         np.concatenate([R] * len(DEPTHS)),
         np.concatenate([middles + depth * z for depth in DEPTHS]),
-        np.tile(np.repeat(widths, SIDES), len(DEPTHS)),
+        np.tile(np.repeat(widths, HAND_SIDES), len(DEPTHS)),
     )
 
 
@@ -184,6 +184,6 @@ def _touches(part: Part, count: int, rng: np.random.Generator) -> tuple[Floats, 
     """Cups square on points: rotations (n, 3, 3) and places (n, 3) [m]."""
     points, triangles = samples_of(part.mesh, count, rng)
     normals, _ = normals_of(part.mesh)
-    z = np.repeat(-normals[triangles], TURNS, axis=0)
-    x = sides(normals[triangles], TURNS).reshape(-1, 3)
-    return np.stack([x, np.cross(z, x), z], axis=2), np.repeat(points, TURNS, axis=0)
+    z = np.repeat(-normals[triangles], CUP_TURNS, axis=0)
+    x = sides(normals[triangles], CUP_TURNS).reshape(-1, 3)
+    return np.stack([x, np.cross(z, x), z], axis=2), np.repeat(points, CUP_TURNS, axis=0)

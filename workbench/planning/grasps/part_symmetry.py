@@ -31,13 +31,13 @@ FEW, MANY = 40, 800
 MOST_WORK = 2e7
 """Points times triangles: on very fine meshes a guess has to hold for fewer points."""
 
-SAME = np.deg2rad(3.0)
+SAME_AXIS = np.deg2rad(3.0)
 """[rad] Axes closer than this are one."""
 
 FACES = 8
 """The normals of this many of the largest faces are tried as axes."""
 
-STEPS = 36
+TURNS_TRIED = 36
 """Turns that stand for any angle."""
 
 SMALL = 0.05
@@ -164,7 +164,7 @@ class _TurnedSurface:
 
     def worst(self, symmetry: Symmetry) -> float:
         """How far points lie from the surface at most after any turn of a group [m]."""
-        about, motions = np.array(symmetry.point), symmetry.motions(STEPS)[1:]
+        about, motions = np.array(symmetry.point), symmetry.motions(TURNS_TRIED)[1:]
         return max((self.deviation(M[:3, :3], about, self._many) for M in motions), default=0.0)
 
     def fold(self, axis: Floats) -> tuple[int, float]:
@@ -207,6 +207,6 @@ def _axes(mesh: Mesh, centre: Floats) -> list[Floats]:
     axes: list[Floats] = []
     for axis in (*np.eye(3)[::-1], *principal.T, *faces):
         length = float(np.linalg.norm(axis))
-        if length > 0.5 and all(abs(float(axis @ known)) < np.cos(SAME) for known in axes):
+        if length > 0.5 and all(abs(float(axis @ known)) < np.cos(SAME_AXIS) for known in axes):
             axes.append(axis / length)
     return axes

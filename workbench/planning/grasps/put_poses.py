@@ -7,13 +7,13 @@ import pinocchio as pin
 
 from workbench.model.geometry import Floats
 from workbench.model.part import PartPlace
-from workbench.model.symmetry import BALL, ROUND, SAME, Symmetry, make_turn
+from workbench.model.symmetry import BALL, ROUND, SAME_TURN, Symmetry, make_turn
 from workbench.planning.collision.legs import FREE_STEP, turn_steps
 
 ROUND_STEPS = 12
 """A part that looks alike at any turn is put down at this many."""
 
-ALIKE = 2e-4
+SAME_POSE = 2e-4
 """[m, no unit] Poses whose numbers differ by less are one."""
 
 
@@ -29,7 +29,7 @@ def ways_to_lie(place: PartPlace, symmetry: Symmetry) -> tuple[pin.SE3, ...]:
     motions = symmetry.motions(ROUND_STEPS)
     every = np.einsum("ij,ajk,skl->asil", place.T_world_part.homogeneous, turns, motions)
     every = every.reshape(-1, 4, 4)
-    coarse = np.round(every[:, :3].reshape(len(every), -1) / ALIKE).astype(np.int64)
+    coarse = np.round(every[:, :3].reshape(len(every), -1) / SAME_POSE).astype(np.int64)
     first = np.sort(np.unique(coarse, axis=0, return_index=True)[1])
     return tuple(pin.SE3(T[:3, :3], T[:3, 3]) for T in every[first])
 
@@ -46,7 +46,9 @@ def suits_any_roll(place: PartPlace, symmetry: Symmetry, axis: Floats) -> bool:
         axis: a point [m] and a unit direction in the part's frame.
     """
     point, direction = axis
-    if place.free_rotation >= np.pi - SAME and _is_one(np.zeros(3), np.eye(3)[2], point, direction):
+    if place.free_rotation >= np.pi - SAME_TURN and _is_one(
+        np.zeros(3), np.eye(3)[2], point, direction
+    ):
         return True
     centre = np.array(symmetry.point)
     if symmetry.form == BALL:
@@ -58,4 +60,4 @@ def _is_one(p: Floats, along: Floats, point: Floats, direction: Floats) -> bool:
     """Whether two axes are one line, whichever way they point."""
     off = point - p
     beside = float(np.linalg.norm(off - (off @ along) * along))
-    return abs(float(along @ direction)) >= np.cos(SAME) and beside < ALIKE
+    return abs(float(along @ direction)) >= np.cos(SAME_TURN) and beside < SAME_POSE

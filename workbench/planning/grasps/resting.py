@@ -15,10 +15,10 @@ STEADY = np.deg2rad(12.0)
 FLAT = 2e-4
 """[m] Corners of the hull no farther than this from a plane lie in it."""
 
-TURNS = 12
+VERTICAL_TURNS = 12
 """In how many ways a part is turned about the vertical."""
 
-ALIKE = 2e-4
+SAME_POSE = 2e-4
 """[m, no unit] Poses whose numbers differ by less are one."""
 
 
@@ -67,8 +67,8 @@ def resting_poses(part: Part) -> tuple[pin.SE3, ...]:
     """Poses T_surface_part in which a part stands on a level surface, the steadiest first.
 
     Its centre of mass, or what its symmetry leaves of that, is above the origin.  It may be turned
-    about the vertical in `TURNS` ways; of poses that its symmetry makes alike there is one.  A part
-    that would roll has none on its side.
+    about the vertical in `VERTICAL_TURNS` ways; of poses that its symmetry makes alike there is
+    one.  A part that would roll has none on its side.
     """
     middle = part.symmetry.invariant_point(_centre(part))
     found: list[tuple[float, Floats]] = []
@@ -80,7 +80,7 @@ def resting_poses(part: Part) -> tuple[pin.SE3, ...]:
         found.append((steady, T))
     # The digits behind these depend on the processor.
     found.sort(key=lambda pose: (-round(pose[0], 3), np.round(pose[1], 3).ravel().tolist()))
-    angles = np.arange(TURNS) * (2 * np.pi / TURNS)
+    angles = np.arange(VERTICAL_TURNS) * (2 * np.pi / VERTICAL_TURNS)
     every = [_turn(angle) @ T for _, T in found for angle in angles]
     return tuple(pin.SE3(T[:3, :3], T[:3, 3]) for T in _each_once(every, part.symmetry))
 
@@ -103,7 +103,7 @@ def _stands(part: Part) -> list[tuple[Floats, float, float]]:
     corners = points[hull.vertices]
     found: list[tuple[Floats, float, float]] = []
     for normal, offset in zip(hull.equations[:, :3], -hull.equations[:, 3], strict=True):
-        if any(normal @ known > 1.0 - ALIKE for known, _, _ in found):
+        if any(normal @ known > 1.0 - SAME_POSE for known, _, _ in found):
             continue
         height = float(offset - normal @ centre)
         face = (corners[corners @ normal >= offset - FLAT] - centre) @ _upright(normal)[:2].T
@@ -151,9 +151,9 @@ def _each_once(poses: list[Floats], symmetry: Symmetry) -> list[Floats]:
     """The poses (4, 4) without those that the symmetry makes of one before."""
     kept: list[Floats] = []
     known = np.empty((0, 4, 4))
-    motions = symmetry.motions(TURNS)
+    motions = symmetry.motions(VERTICAL_TURNS)
     for T in poses:
-        if len(known) and (np.abs(known - T).max(axis=(1, 2)) < ALIKE).any():
+        if len(known) and (np.abs(known - T).max(axis=(1, 2)) < SAME_POSE).any():
             continue
         kept.append(T)
         known = np.concatenate([known, T @ motions])

@@ -29,7 +29,7 @@ CORNER_PIECES = 8
 STANDSTILL = 0.001
 """[s] No two waypoints are passed in less, be they equal: times have to increase."""
 
-STILL = 1e-9
+TURNING_SHARE = 1e-9
 """Share of q'' that q' has where a joint turns back: by less, `u` does not move the joint.  What is
 left of q' there is rounding, by which nothing may be divided."""
 
@@ -198,7 +198,7 @@ def _ceiling(
         for end in range(2):
             # Where `u` does not move the joint, `_between` says nothing of it.
             push = slope[end, j] + 2.0 * width * end * bend[j]
-            if bend[j] != 0.0 and abs(push) <= STILL * abs(bend[j]):
+            if bend[j] != 0.0 and abs(push) <= TURNING_SHARE * abs(bend[j]):
                 ceiling = min(ceiling, acceleration[j] / abs(bend[j]))
     return ceiling
 
@@ -239,7 +239,7 @@ def _between(
         for j in range(len(bend)):
             # At the end of the piece x has become x + 2 u width.
             push = slope[end, j] + 2.0 * width * end * bend[j]
-            if push == 0.0 or abs(push) <= STILL * abs(bend[j]):
+            if push == 0.0 or abs(push) <= TURNING_SHARE * abs(bend[j]):
                 continue
             reach, tilt = acceleration[j] / abs(push), -bend[j] / push
             if tilt * x - reach > least:

@@ -23,7 +23,7 @@ from workbench.planning.kinematics.chain import Chain, forward, is_solution
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
 
-STARTS = 12
+IK_STARTS = 12
 """Starting points of the iterations, home among them."""
 
 SOON = 0.6
@@ -32,7 +32,7 @@ SOON = 0.6
 STORED = 20_000
 """Random configurations whose tool poses are stored, for arms without a closed form."""
 
-NEAR = 96
+STORED_STARTS = 96
 """Stored configurations that are iterated from where the caller's starts bring no answer."""
 
 NEAR_OF_SIX = 256
@@ -96,7 +96,7 @@ def configurations(
         return replace(found, q=_distinct(found.q, ITERATED_SAME))
     answers, residuals = chain.solve(T_world_tcp, starts)
     if not is_solution(residuals).any():
-        near = _store(_key(chain)).near(T_world_tcp, NEAR)
+        near = _store(_key(chain)).near(T_world_tcp, STORED_STARTS)
         others, off = chain.solve(T_world_tcp, near)
         answers, residuals = np.vstack([answers, others]), np.vstack([residuals, off])
     return _answers(answers, residuals, is_complete=False)
@@ -106,7 +106,7 @@ def configurations(
 def starts_of(chain: Chain, arm: Arm, seed: int) -> Floats:
     """Home, the middle of the range, and seeded random configurations, shape (s, n) [rad]."""
     rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
-    home, count = np.asarray(arm.home), (STARTS - 2) // 2
+    home, count = np.asarray(arm.home), (IK_STARTS - 2) // 2
     far = rng.uniform(chain.lower, chain.upper, (count, len(home)))
     near = home + SOON * chain.velocity * rng.uniform(-1.0, 1.0, (count, len(home)))
     near = np.clip(near, chain.lower, chain.upper)

@@ -13,7 +13,7 @@ from workbench.planning.kinematics.robot import Kinematics
 CauseKind = Literal["none", "joint", "base", "tool"]
 Frame = Literal["flange", "tcp"]
 
-SAME = (0.001, float(np.deg2rad(0.2)))
+SAME_POSE = (0.001, float(np.deg2rad(0.2)))
 """[m, rad] Poses nearer than this are one: pendants show few digits, and robots differ a little."""
 
 
@@ -81,7 +81,7 @@ def causes_of(kinematics: Kinematics, arm: Arm, q: Floats, T_shown: pin.SE3) -> 
 
 def _is_same(T: pin.SE3, other: pin.SE3) -> bool:
     shift, turn = shift_and_turn(T.actInv(other))
-    return shift <= SAME[0] and turn <= SAME[1]
+    return shift <= SAME_POSE[0] and turn <= SAME_POSE[1]
 
 
 def _joint_offset(
@@ -104,4 +104,4 @@ def _joint_offset(
 def _numbers(T: pin.SE3) -> int:
     """How many shifts along the axes and turns about them a pose needs."""
     shift, turn = np.abs(T.translation), np.abs(pin.log3(T.rotation))
-    return int(np.sum(shift > SAME[0]) + np.sum(turn > SAME[1]))
+    return int(np.sum(shift > SAME_POSE[0]) + np.sum(turn > SAME_POSE[1]))

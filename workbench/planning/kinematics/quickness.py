@@ -22,7 +22,7 @@ from workbench.planning.kinematics.chain import (
 )
 from workbench.planning.kinematics.jerk_limited import UNLIMITED
 
-ROUNDS = 10
+DESCENT_STEPS = 10
 """Steps that a configuration is drawn by."""
 
 BRIEFLY = 8
@@ -33,7 +33,7 @@ FIRST_STEP = 0.25
 
 LONGER, SHORTER = 1.3, 0.4
 
-LEAST = 1e-3
+LEAST_GAIN = 1e-3
 """[s] By less than this nothing is won."""
 
 
@@ -163,7 +163,7 @@ def _draw(
     steps, least = np.full(count, FIRST_STEP), np.empty(count)
     for k in range(count):
         least[k] = _seconds(best[k], stops, velocity, acceleration)
-    for _ in range(ROUNDS):
+    for _ in range(DESCENT_STEPS):
         for k in range(count):
             _slope(best[k], stops, velocity, slopes[k])
             for i in range(n):
@@ -172,7 +172,7 @@ def _draw(
         for k in range(count):
             seconds = _seconds(answers[k], stops, velocity, acceleration)
             is_there = residuals[k, 0] < POSITION_TOLERANCE and residuals[k, 1] < ROTATION_TOLERANCE
-            if is_there and seconds < least[k] - LEAST:
+            if is_there and seconds < least[k] - LEAST_GAIN:
                 for i in range(n):
                     best[k, i] = answers[k, i]
                 least[k] = seconds

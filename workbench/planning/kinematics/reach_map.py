@@ -12,10 +12,10 @@ from workbench.planning.kinematics.inverse import configurations
 ACROSS = 22
 """Places along the longest side of the grid."""
 
-TURNS = (0.0, np.pi / 2)
+VERTICAL_TURNS = (0.0, np.pi / 2)
 """[rad] About the vertical, tried at every place."""
 
-STARTS = 10
+IK_STARTS = 10
 """Starting points of the inverse kinematics for each pose."""
 
 
@@ -37,7 +37,7 @@ def reach_map(
     rng = np.random.default_rng(0)
     drawn = rng.uniform(chain.lower, chain.upper, (500, len(arm.joints)))
     tips = np.array([chain.pose(q).translation for q in drawn])
-    starts = np.vstack([arm.home, drawn[: STARTS - 1]])
+    starts = np.vstack([arm.home, drawn[: IK_STARTS - 1]])
     low, high = tips.min(axis=0), tips.max(axis=0)
     step = float(np.ceil((high - low).max() / ACROSS * 100) / 100)
     low = np.maximum(low, [-np.inf, -np.inf, _floor(cell)])
@@ -50,12 +50,12 @@ def reach_map(
     grid = grid[np.linalg.norm(grid - foot, axis=1) <= np.linalg.norm(tips - foot, axis=1).max()]
     places: list[Floats] = []
     shares: list[float] = []
-    last = [starts[0]] * len(TURNS)
+    last = [starts[0]] * len(VERTICAL_TURNS)
     for p in grid:
         if cancelled():
             break
         reached = 0
-        for number, turn in enumerate(TURNS):
+        for number, turn in enumerate(VERTICAL_TURNS):
             T = pose_from_rpy(p, (np.pi, 0, turn))
             # What reached the place before mostly reaches this one.
             answers, residuals = chain.solve(T, last[number])
@@ -67,7 +67,7 @@ def reach_map(
                 reached += 1
         if reached:
             places.append(p)
-            shares.append(reached / len(TURNS))
+            shares.append(reached / len(VERTICAL_TURNS))
     return np.array(places).reshape(-1, 3), np.array(shares)
 
 

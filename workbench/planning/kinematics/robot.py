@@ -10,7 +10,7 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, Ints
 from workbench.model.robot import Joint
 
-AXES = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
+AXIS_LETTERS = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
 
 
 class JointTree(NamedTuple):
@@ -122,7 +122,7 @@ def _build_model(cell: Cell) -> tuple[pin.Model, dict[str, tuple[int, pin.SE3]]]
 
 
 def _joint_model(joint: Joint) -> pin.JointModel:
-    axis = AXES.get(tuple(joint.axis.tolist()))
+    axis = AXIS_LETTERS.get(tuple(joint.axis.tolist()))
     if joint.kind == "revolute":
         if axis is None:
             return pin.JointModelRevoluteUnaligned(np.array(joint.axis))

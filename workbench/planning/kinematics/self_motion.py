@@ -6,10 +6,10 @@ import pinocchio as pin
 from workbench.model.geometry import Floats
 from workbench.planning.kinematics.chain import Chain, is_solution
 
-STEP = 0.1
+JOINT_STEP = 0.1
 """[rad] From one configuration to the next, in joint space."""
 
-MOST = 40
+MOST_STEPS = 40
 """Configurations to either side: more than any arm's limits allow at this step."""
 
 NUDGE = 1e-6
@@ -33,11 +33,11 @@ def self_motion(chain: Chain, q: Floats) -> Floats:
 
 def _follow(chain: Chain, T: pin.SE3, q: Floats, direction: Floats) -> list[Floats]:
     found: list[Floats] = []
-    while len(found) < MOST:
-        wanted = np.clip(q + STEP * direction, chain.lower, chain.upper)
+    while len(found) < MOST_STEPS:
+        wanted = np.clip(q + JOINT_STEP * direction, chain.lower, chain.upper)
         answers, residuals = chain.solve(T, wanted[None], iterations=20)
         moved = answers[0] - q
-        if not is_solution(residuals)[0] or moved @ direction < STEP / 2:
+        if not is_solution(residuals)[0] or moved @ direction < JOINT_STEP / 2:
             break
         q = answers[0]
         found.append(q)

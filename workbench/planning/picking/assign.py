@@ -22,7 +22,7 @@ from workbench.planning.picking.weave import interleave
 
 BOTH = (Strategy.ALTERNATED, Strategy.COORDINATED)
 
-ALIKE = 3
+GRASPS_PER_ARM = 3
 """Grasps of a part that are checked for an arm, where both arms may work at once."""
 
 WOVEN = 2
@@ -31,7 +31,7 @@ WOVEN = 2
 TRIED = 4
 """Of picks of the same parts by the same arms this many are tried until enough can be planned."""
 
-ENOUGH = 1.15
+GOOD_ENOUGH_RATIO = 1.15
 """Times as long as its busier arm works: a plan that takes no longer is good enough."""
 
 WAITING = 0.5
@@ -183,7 +183,7 @@ def _plan_picks(
         tried += 1
         if not is_free or tried == WOVEN:
             break
-        if best[0].cycle_seconds < ENOUGH * max(arm.seconds for arm in best[0].arms):
+        if best[0].cycle_seconds < GOOD_ENOUGH_RATIO * max(arm.seconds for arm in best[0].arms):
             break
     if request.strategy == Strategy.COORDINATED and len(best) > 1:
         # Whatever runs at once in it.
@@ -232,7 +232,7 @@ def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> lis
         sorted(
             (other for other in request.picks if _is_alike(assigned_pick, other)),
             key=lambda pick: pick.seconds,
-        )[:ALIKE]
+        )[:GRASPS_PER_ARM]
         for assigned_pick in assigned
     ]
 

@@ -39,7 +39,7 @@ MOST_CLEAR = 6
 STEEPEST = np.cos(np.deg2rad(60.0))
 """The way back out is a lift when it rises at least like this."""
 
-ALIKE = np.cos(np.deg2rad(4.0))
+SAME_DIRECTION = np.cos(np.deg2rad(4.0))
 """Ways that differ by less than this angle are one."""
 
 
@@ -80,8 +80,8 @@ def _how_bad(part_ways: PartWays, number: int, way: Floats) -> int:
 
 
 def _unlike(directions: Floats) -> list[int]:
-    """The indices of unit vectors (k, 3) that differ by `ALIKE` from those before them."""
-    is_alike = (directions @ directions.T > ALIKE).tolist()
+    """The indices of unit vectors (k, 3) that differ by `SAME_DIRECTION` from those before them."""
+    is_alike = (directions @ directions.T > SAME_DIRECTION).tolist()
     kept: list[int] = []
     for k, row in enumerate(is_alike):
         if not any(row[before] for before in kept):

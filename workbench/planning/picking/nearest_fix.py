@@ -21,7 +21,7 @@ from workbench.planning.kinematics.inverse import configurations, starts_of
 from workbench.planning.picking.propose import candidate_of
 from workbench.planning.picking.resolve import resolve
 
-TURNS = tuple(range(5, 50, 5))
+TURNS_TRIED = tuple(range(5, 50, 5))
 """[degrees] about the approach axis, both ways."""
 
 BACK_OFFS = tuple(range(1, 11))
@@ -65,7 +65,7 @@ def fix_words(fix: Fix | None) -> Message:
     """A fix as the command line and the page say it: for which candidate, and what was tried."""
     if fix is None:
         return FixText.NONE(
-            turn=TURNS[-1], back=BACK_OFFS[-1], slide=SLIDES[-1], opening=OPENINGS[-1]
+            turn=TURNS_TRIED[-1], back=BACK_OFFS[-1], slide=SLIDES[-1], opening=OPENINGS[-1]
         )
     candidate = fix.candidate
     return FixText.NEAREST(
@@ -254,10 +254,10 @@ def _changes(grasp: Grasp, tool: Tool) -> Iterator[tuple[Message, Grasp]]:
         T = grasp.T_part_tcp * pose_from_rpy(xyz, (0.0, 0.0, np.deg2rad(yaw)))
         found.append((size, words, replace(grasp, T_part_tcp=T)))
 
-    for turn in TURNS:
+    for turn in TURNS_TRIED:
         for sign in (1, -1):
             words = FixText.TURN(angle=sign * turn)
-            add(turn / TURNS[-1], words, (0.0, 0.0, 0.0), sign * turn)
+            add(turn / TURNS_TRIED[-1], words, (0.0, 0.0, 0.0), sign * turn)
     for back in BACK_OFFS:
         add(back / BACK_OFFS[-1], FixText.LESS_DEEP(by=back / 1000), (0.0, 0.0, -back / 1000))
     for slide in SLIDES:

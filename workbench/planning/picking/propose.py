@@ -31,10 +31,10 @@ _OUTSIDE = Verdict(Reason.OUTSIDE_REGIONS, Stage.PROPOSE)
 HandsLooked = Callable[[int, int], object]
 """Told after each hand that was tried: how many were, of how many."""
 
-ENOUGH = 2
+GRASPS_BEFORE_SPARE = 2
 """Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
 
-ROUNDS = ((0, 3), (3, 10), (10, 40))
+SEARCH_ROUNDS = ((0, 3), (3, 10), (10, 40))
 """How many grips of a part were proposed before each round of a search, and are then: most parts
 that come out do so by one of a few."""
 
@@ -109,11 +109,11 @@ def search_candidates(
     Args:
         world: of the cell with the parts found.
         number: of the part among them.
-        round: which of the `ROUNDS`.
+        round: which of the `SEARCH_ROUNDS`.
         looked: is called with the progress, and may end it by raising.
     """
     part, check = world.cell.part(world.detections[number].part), world.tool_check
-    before, most = ROUNDS[round]
+    before, most = SEARCH_ROUNDS[round]
     if before and refuse_where_it_lies(world, number):
         return ()
     new: dict[str, tuple[Grasp, ...]] = {}
@@ -285,9 +285,9 @@ def is_spare(candidate: Candidate, working: Sequence[Candidate]) -> bool:
     """Whether nobody needs a grasp any more, since others of the same arm and part work.
 
     Grasps of a priority below 0 are for parts that nothing else takes: they are checked only
-    then, and `ENOUGH` of them that work will do.
+    then, and `GRASPS_BEFORE_SPARE` of them that work will do.
     """
     if candidate.grasp.priority >= 0 or not working:
         return False
     before = working[0].grasp.priority > candidate.grasp.priority
-    return before or len(working) >= ENOUGH
+    return before or len(working) >= GRASPS_BEFORE_SPARE

@@ -43,7 +43,7 @@ from workbench.planning.placing.assembling import arm_placing
 TRIES = 3
 """Grasp configurations of one candidate that are followed to the end."""
 
-SAME = np.deg2rad(5.0)
+SAME_SOLUTION = np.deg2rad(5.0)
 """Two solutions closer than this in every joint are one."""
 
 MOST_CLEAR = 8
@@ -185,7 +185,7 @@ def _grasp_solutions(
     for T_world_tcp, answers in zip(hands, every, strict=True):
         # Those that are reached sooner may be in the way of something: the others stay.
         for q in (*draw_towards(chain, T_world_tcp, answers.q, home, pace), *answers.q):
-            if not (np.abs(known[: len(found)] - q).max(axis=1) < SAME).any():
+            if not (np.abs(known[: len(found)] - q).max(axis=1) < SAME_SOLUTION).any():
                 known[len(found)] = q
                 found.append((q, T_world_tcp))
     if not found:

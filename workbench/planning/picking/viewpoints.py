@@ -33,7 +33,7 @@ RANGE_MARGIN = 0.06
 TRIES = 40
 """Poses that are tried for each one that is wanted."""
 
-STARTS = 16
+IK_STARTS = 16
 """Starting points of the inverse kinematics, beside home."""
 
 
@@ -73,7 +73,7 @@ def sample_configurations(
     for _ in range(count * TRIES):
         T_world_tcp = draw(rng)
         starts = np.vstack(
-            [arm.home, rng.uniform(chain.lower, chain.upper, (STARTS, len(arm.home)))]
+            [arm.home, rng.uniform(chain.lower, chain.upper, (IK_STARTS, len(arm.home)))]
         )
         answers = configurations(chain, T_world_tcp, starts).q
         # Nearest to home first: that is how a person would go there.

@@ -21,8 +21,8 @@ from workbench.model.recipes.kit import Insertion
 from workbench.model.scan import Detection
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.placing.chance import (
+    CONFIDENCE,
     DRAWS,
-    SURE,
     Counted,
     draw_errors,
     select_counted,
@@ -63,7 +63,7 @@ class Budget:
     `covariance` (6, 6) [m, rad] is of shifts of the part's origin, then of turns about it, along
     the axes of the hand: x across the pads, y along the fingers' travel, z along the tool.  It is
     the sum of `shares`, by where each comes from.  `R_part_hand` (3, 3), no unit, are these axes in
-    the part's frame.  In `SURE` of all picks the part is shifted by `shift` [m] or less and,
+    the part's frame.  In `CONFIDENCE` of all picks the part is shifted by `shift` [m] or less and,
     counted by itself, turned by `turn` [rad] or less.  `largest` names what most of it comes from,
     and along or about which axis.  `chance` 0..1 is that of both within the tolerances of `place`,
     where there is one for the part; or, of a part that comes onto another one by a joint, of mating
@@ -94,7 +94,7 @@ class Budget:
         """All of it in one sentence."""
         source, axis = self.largest
         error = BudgetText.PLACED(
-            far=self.shift, turn=self.turn, sure=SURE, source=source(), axis=axis()
+            far=self.shift, turn=self.turn, sure=CONFIDENCE, source=source(), axis=axis()
         )
         if self.chance is None:
             return error
@@ -180,7 +180,7 @@ def budget_by(
     place = places[0] if places else None
     what = select_counted(part, detection, place)
     off = off_of(covariance, R_part_hand, what)
-    shift, turn = (float(np.quantile(samples, SURE)) for samples in off)
+    shift, turn = (float(np.quantile(samples, CONFIDENCE)) for samples in off)
     chance = None if place is None else within(off, place)
     if insertion is not None and insertion.joint is not None and insertion.base in bases:
         base = bases[insertion.base]

@@ -8,13 +8,13 @@ import numpy as np
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection
-from workbench.model.symmetry import BALL, ROUND, SAME
+from workbench.model.symmetry import BALL, ROUND, SAME_TURN
 from workbench.planning.collision.unknown_rolls import axis_of
 
 DRAWS = 20_000
 """Errors that stand for all."""
 
-SURE = 0.95
+CONFIDENCE = 0.95
 """Of this many picks the part lies within what is reported."""
 
 
@@ -63,7 +63,7 @@ def select_counted(part: Part, detection: Detection, place: PartPlace | None) ->
         through, axis = axis_of(part, detection)
         point = through + ((point - through) @ axis) * axis
         free.append(axis)
-    if place is not None and place.free_rotation >= np.pi - SAME:
+    if place is not None and place.free_rotation >= np.pi - SAME_TURN:
         free.append(np.array([0.0, 0.0, 1.0]))
     return Counted(point, np.array(free))
 

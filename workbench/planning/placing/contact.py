@@ -17,12 +17,12 @@ from workbench.planning.grasps.part_rays import normals_of
 TRIED = float(np.deg2rad(2.0))
 """[rad] Turns by which it is tried what the fingers meet."""
 
-DIRECTIONS = 6
+LYING_DIRECTIONS = 6
 """Axes across the travel about which the part may lie flat on the pads, over half a turn."""
 
-UPRIGHT = DIRECTIONS // 2
-ANGLES = np.arange(DIRECTIONS) * np.pi / DIRECTIONS
-AXES = np.column_stack([np.cos(ANGLES), np.zeros(DIRECTIONS), np.sin(ANGLES)])
+UPRIGHT = LYING_DIRECTIONS // 2
+ANGLES = np.arange(LYING_DIRECTIONS) * np.pi / LYING_DIRECTIONS
+LYING_AXES = np.column_stack([np.cos(ANGLES), np.zeros(LYING_DIRECTIONS), np.sin(ANGLES)])
 """They themselves (n, 3), the one along the tool at `UPRIGHT`; no unit."""
 
 BORNE = 0.0005
@@ -135,11 +135,11 @@ class _Felt:
 
     @cached_property
     def lengths(self) -> Floats:
-        """How long (n,) [m] what both fingers touch is across each of the axes `AXES`."""
+        """How long (n,) [m] what both fingers touch is across each of the axes `LYING_AXES`."""
         assert self._checker.pads is not None
         # Rays do not see the rims of faces: half a cell at each end.
         step = self._checker.pads.grid.step
-        found = np.array([self._length(axis) for axis in AXES])
+        found = np.array([self._length(axis) for axis in LYING_AXES])
         return np.where(found > step, found + step, 0.0)
 
     def alignment_axes(self) -> Floats:
@@ -147,9 +147,9 @@ class _Felt:
         assert self.width is not None
         # What touches is as short as it is along its own axes: a corner's way across is no help.
         shortest = int(np.argmin(self.lengths))
-        across = (shortest + DIRECTIONS // 2) % DIRECTIONS
+        across = (shortest + LYING_DIRECTIONS // 2) % LYING_DIRECTIONS
         least = self.width * np.tan(FRICTION)
-        return AXES[[k for k in (shortest, across) if self.lengths[k] > least]]
+        return LYING_AXES[[k for k in (shortest, across) if self.lengths[k] > least]]
 
 
 def _push(mesh: Mesh, T_part_closing: pin.SE3, T_world_part: pin.SE3, length: float) -> Floats:

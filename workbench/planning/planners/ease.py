@@ -12,16 +12,16 @@ from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges
 from workbench.planning.planners.asking import RecordedAnswers, asking, look_up, write_row
 from workbench.plugins.planner import EdgeCheck
 
-STEPS = (0.3, 0.1)
+JOINT_STEPS = (0.3, 0.1)
 """[rad] By which one joint of a corner is moved, one after the other."""
 
 PULLS = (1.0, 0.7, 0.4, 0.2)
 """Shares of the way to the straight line past it by which a corner is moved."""
 
-LEAST = 0.005
+LEAST_GAIN = 0.005
 """[s] By less than this nothing is won."""
 
-ROUNDS = 2
+EASING_ROUNDS = 2
 
 
 def ease_corners(
@@ -40,7 +40,7 @@ def ease_corners(
     count, joints = path.shape
     if count < 3:
         return path
-    trials = ROUNDS * (len(PULLS) + 2 * joints * len(STEPS)) + 1
+    trials = EASING_ROUNDS * (len(PULLS) + 2 * joints * len(JOINT_STEPS)) + 1
     return asking(
         lambda edges, answers: _ease(path, velocity, acceleration, zone, edges, answers),
         is_clear,
@@ -104,7 +104,7 @@ def _ease(
 ) -> Floats:
     path = path.copy()
     joints, last = path.shape[1], np.zeros(1, np.int64)
-    for _ in range(ROUNDS):
+    for _ in range(EASING_ROUNDS):
         before = path.copy()
         k = 1
         while k < len(path) - 1:
@@ -116,18 +116,18 @@ def _ease(
                 path = _leave_out(path, k)
                 continue
             least = _seconds(a, c, b, v, acc, zone)
-            for trial in range(len(PULLS) + 2 * joints * len(STEPS)):
+            for trial in range(len(PULLS) + 2 * joints * len(JOINT_STEPS)):
                 if trial < len(PULLS):
                     into, out = _seconds(a, a, c, v, acc, zone), _seconds(c, c, b, v, acc, zone)
                     onto = a + (b - a) * (into / max(into + out, 1e-9))
                     moved = c + PULLS[trial] * (onto - c)
                 else:
                     number = trial - len(PULLS)
-                    step = STEPS[number // (2 * joints)] * (1.0 - 2.0 * (number % 2))
+                    step = JOINT_STEPS[number // (2 * joints)] * (1.0 - 2.0 * (number % 2))
                     moved = c.copy()
                     moved[number // 2 % joints] += step
                 seconds = _seconds(a, moved, b, v, acc, zone)
-                if seconds > least - LEAST:
+                if seconds > least - LEAST_GAIN:
                     continue
                 answer = _is_open(a, moved, b, zone, edges, answers, last)
                 if answer == ASK:

@@ -13,11 +13,11 @@ from workbench.planning.planners.rrt import SearchTree
 from workbench.planning.planners.trees import sample_around
 from workbench.plugins.planner import EdgeCheck, Planner, Search
 
-STEP = 0.3
+LONGEST_EDGE = 0.3
 """[rad] Longest new edge, in the weighted metric: what is between two allowed ends seldom leaves
 what is allowed."""
 
-LEAST = 0.1
+LEAST_PROGRESS = 0.1
 """Share of a step by which each has to come nearer to its target."""
 
 Projection = Callable[[Floats], Floats | None]
@@ -66,14 +66,14 @@ def _grow(
     far = float(np.linalg.norm((target - tree.q[number]) * weights))
     while True:
         here = tree.q[number].copy()
-        if far <= STEP:
+        if far <= LONGEST_EDGE:
             if far > 0.0 and is_clear(here, target):
                 number, far = tree.add(target, number), 0.0
             return number, far == 0.0
-        q = project(here + (target - here) * (STEP / far))
+        q = project(here + (target - here) * (LONGEST_EDGE / far))
         if q is None or not is_clear(here, q):
             return number, False
         nearer = float(np.linalg.norm((target - q) * weights))
-        if nearer > far - LEAST * STEP:
+        if nearer > far - LEAST_PROGRESS * LONGEST_EDGE:
             return number, False
         number, far = tree.add(q, number), nearer

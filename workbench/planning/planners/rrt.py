@@ -12,9 +12,9 @@ from workbench.planning.planners.asking import edges_in, look_at_the_clock
 from workbench.planning.planners.trees import (
     EXHAUSTED,
     FULL,
+    LONGEST_EDGE,
     OPEN,
     PAUSED,
-    STEP,
     grow_trees,
     join_trees,
     larger,
@@ -116,7 +116,7 @@ def rrt(
         is_goal = iteration % GOAL_BIAS == 0
         sample = goal if is_goal else sample_around(start, goal, lower, upper, iteration, rng)
         new = _extend(tree, sample, weights, is_clear)
-        if new is None or np.linalg.norm((goal - tree.q[new]) * weights) > STEP:
+        if new is None or np.linalg.norm((goal - tree.q[new]) * weights) > LONGEST_EDGE:
             continue
         if is_clear(tree.q[new].copy(), goal):
             return Search(np.array([*tree.branch(new)[::-1], goal]), iteration + 1)
@@ -130,5 +130,5 @@ def _extend(tree: SearchTree, target: Floats, weights: Floats, is_clear: EdgeChe
     length = float(np.linalg.norm(step * weights))
     if length == 0.0:
         return None
-    q = target if length <= STEP else tree.q[near] + step * (STEP / length)
+    q = target if length <= LONGEST_EDGE else tree.q[near] + step * (LONGEST_EDGE / length)
     return tree.add(q, near) if is_clear(tree.q[near].copy(), q) else None

@@ -18,7 +18,7 @@ import numpy as np
 from workbench.model.geometry import Floats
 from workbench.plugins.planner import EdgeCheck, Search
 
-REACH = 1.5
+LONGEST_EDGE = 1.5
 """[rad] Largest distance, in the weighted metric, of a new milestone from the one it grows from."""
 
 JOIN = 6.0
@@ -158,7 +158,7 @@ def _expand(
     """A new clear milestone near another one, from ever smaller neighbourhoods."""
     at = roadmap.q[parent]
     for shrinking in range(1, SHRINKINGS + 1):
-        half = REACH / shrinking / np.sqrt(len(at)) / weights
+        half = LONGEST_EDGE / shrinking / np.sqrt(len(at)) / weights
         q = rng.uniform(np.maximum(at - half, lower), np.minimum(at + half, upper))
         if is_clear(q, q):
             return roadmap.add(q, parent)

@@ -14,7 +14,7 @@ CUTS = (0.8, 0.5, 0.25)
 TINY = np.deg2rad(2.0)
 """[rad] Corners closer together than this in every joint count as one."""
 
-ROUNDS = 2
+CORNER_CUTS = 2
 """How often all corners are cut: each cut leaves two flatter ones."""
 
 NO_CUTS = -1
@@ -25,11 +25,11 @@ def shorten_path(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
     """The same path (m, n) [rad] with detours cut: waypoints skipped, then corners cut off.
 
     From each kept waypoint it goes straight on to the furthest one that can be reached; then, at
-    each corner, the widest of some straight cuts that is clear is taken, `ROUNDS` times or until
-    there could be more than `most` waypoints.
+    each corner, the widest of some straight cuts that is clear is taken, `CORNER_CUTS` times or
+    until there could be more than `most` waypoints.
     """
     count, joints = path.shape
-    questions = count * count + ROUNDS * len(CUTS) * max(most, count)
+    questions = count * count + CORNER_CUTS * len(CUTS) * max(most, count)
     return asking(
         lambda edges, answers: _shorten(path, most, edges, answers), is_clear, joints, questions
     )
@@ -49,7 +49,7 @@ def skip_waypoints(path: Floats, is_clear: EdgeCheck) -> Floats:
 @njit(cache=True)
 def _shorten(path: Floats, most: int, edges: Edges, answers: RecordedAnswers) -> Floats:
     path = _skip(path, edges, answers)
-    for _ in range(ROUNDS):
+    for _ in range(CORNER_CUTS):
         if len(path) > 0 and 2 * len(path) - 2 <= most:
             path = _cut(path, edges, answers)
     return path

@@ -15,7 +15,7 @@ from numba import njit
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges, edge_answer
 
-STEP = 0.6
+LONGEST_EDGE = 0.6
 """[rad] Longest new edge of a tree, in the weighted metric."""
 
 NEARBY = 0.3
@@ -124,10 +124,12 @@ def grow_trees(
                 length += ((target[i] - q[tree, at[2], i]) * box[2, i]) ** 2
             length = np.sqrt(length)
             if length > 0.0:
-                share = STEP / length
+                share = LONGEST_EDGE / length
                 for i in range(n):
                     near = q[tree, at[2], i]
-                    new[i] = target[i] if length <= STEP else near + (target[i] - near) * share
+                    new[i] = (
+                        target[i] if length <= LONGEST_EDGE else near + (target[i] - near) * share
+                    )
                 left -= 1
                 answer = edge_answer(q[tree, at[2]], new, edges)
                 if answer == ASK:

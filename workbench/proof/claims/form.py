@@ -32,7 +32,7 @@ from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.claims.scene import unseen_bin
 from workbench.proof.claims.stirring import stir_violations
 
-SAME = 1e-9
+JOINED_WITHIN = 1e-9
 """[rad] So far from the end of a leg the next one may begin; and half of the smallest step that can
 be sent from a home that is no whole number of steps."""
 
@@ -222,8 +222,8 @@ def _legs(
     begin, finish = (np.clip(np.asarray(q), *motion.limits(lower, upper)) for q in between)
     ends = [begin, *(leg.q[-1] for leg in arm_plan.legs)]
     starts = [*(leg.q[0] for leg in arm_plan.legs), finish]
-    at_home = SAME + motion.quantum / 2
-    off = [at_home, *[SAME] * (len(names) - 1), at_home]
+    at_home = JOINED_WITHIN + motion.quantum / 2
+    off = [at_home, *[JOINED_WITHIN] * (len(names) - 1), at_home]
     for name, end, start, most in zip((*names, names[-1]), ends, starts, off, strict=True):
         if np.abs(end - start).max() > most:
             yield Violation(ProofText.BREAKS(), arm.name, name)

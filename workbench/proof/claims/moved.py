@@ -25,7 +25,7 @@ ROUND = 0.8
 FLAT = 0.5
 """A part that is lower than this share of its width stays on its face when it is pushed."""
 
-DIRECTIONS = 36
+WIDTH_DIRECTIONS = 36
 """In which a width is measured, over half a turn."""
 
 Placed = tuple[Shape, pin.SE3]
@@ -138,7 +138,7 @@ def _round_axes(part: Part) -> Iterator[tuple[Floats, float, float]]:
     stated = [known.axis for known in part.symmetry.axes]
     for axis in (*np.eye(3), *spread.T, *stated):
         _, _, across = np.linalg.svd(np.asarray(axis)[None])
-        angles = np.linspace(0.0, np.pi, DIRECTIONS, endpoint=False)
+        angles = np.linspace(0.0, np.pi, WIDTH_DIRECTIONS, endpoint=False)
         ways = np.column_stack([np.cos(angles), np.sin(angles)]) @ across[1:]
         widths = np.ptp(points @ ways.T, axis=0)
         if widths.min() >= ROUND * widths.max():

@@ -18,7 +18,7 @@ from workbench.proof.engine.bodies import CheckedBody
 from workbench.proof.engine.robot import Tree
 from workbench.proof.engine.shapes import hull
 
-ALIKE = 3e-4
+ROUND_WITHIN = 3e-4
 """[m] A cylinder about the axis fills the same room at every turn where it needs no more than this
 around it."""
 
@@ -186,7 +186,7 @@ def _fills(piece: Solid, room: Cylinder) -> bool:
     """Whether a piece fills the same room at every turn."""
     shape = piece.shape
     return isinstance(shape, Cylinder) and (
-        max(room.radius - shape.radius, room.length - shape.length) < ALIKE
+        max(room.radius - shape.radius, room.length - shape.length) < ROUND_WITHIN
     )
 
 

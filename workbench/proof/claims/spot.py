@@ -23,10 +23,10 @@ from workbench.proof.claims.table import PairTable
 from workbench.proof.engine.robot import Tree, tree_of
 from workbench.proof.engine.space import Space
 
-SAMPLES = 61
+WAY_SAMPLES = 61
 """Places on the way of another arm at which it may be."""
 
-SAME = 1e-5
+SAME_STATE = 1e-5
 """[m] The state that was proven is found."""
 
 
@@ -85,7 +85,7 @@ def _locate(
         distance, row = min((space.distance(row), row) for row in rows)
         if best is None or abs(distance - wanted) < best[0]:
             best = abs(distance - wanted), distance, row, q, others
-            if best[0] < SAME:
+            if best[0] < SAME_STATE:
                 break
     assert best is not None
     _, distance, row, q, others = best
@@ -120,7 +120,7 @@ def _states(
     """Whole configurations (nq,) that may have been meant, the likeliest first."""
     others = [other for other in step.moving if other is not arm_motion]
     at_once = [{other.arm.name: min(seconds, other.leg.seconds) for other in others}]
-    ways = [np.linspace(0.0, other.leg.seconds, SAMPLES) for other in others]
+    ways = [np.linspace(0.0, other.leg.seconds, WAY_SAMPLES) for other in others]
     at_any = [
         {other.arm.name: float(t)} for other, times in zip(others, ways, strict=True) for t in times
     ]

@@ -26,7 +26,7 @@ from workbench.proof.claims.tolerances import OPENING
 from workbench.proof.engine.bodies import CheckedBody
 from workbench.proof.engine.robot import Tree
 
-LEAST = 0.001
+LEAST_HEIGHT = 0.001
 """[m] How high the content of a bin counts at least."""
 
 
@@ -66,7 +66,7 @@ def content_of(cell: Cell, scene: Scene) -> Content:
             others.append(seen)
         else:
             inside.append(extent)
-    least = np.array([0.0, 0.0, LEAST])
+    least = np.array([0.0, 0.0, LEAST_HEIGHT])
     width, depth, high = np.max([least, *parts, *inside], axis=0)
     whole = filled_bin(cell, float(high), kinds)
     floor = np.maximum(whole.size[:2], (2 * width, 2 * depth))

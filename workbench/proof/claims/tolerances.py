@@ -32,7 +32,7 @@ OFF_LINE, OFF_ARC = 0.002, 0.005
 """[m] The TCP beside a straight line: at waypoints, and between them, where joints that move in
 proportion lead the hand in an arc."""
 
-TURNED, TURNED_FAR = np.deg2rad(1.5), 0.005
+HAND_TURN, HAND_TURN_REACH = np.deg2rad(1.5), 0.005
 """[rad, m] The hand on a straight line may turn by the angle; by less where that would move a
 point of the part farther than the distance."""
 
@@ -63,7 +63,7 @@ def farthest(points: Floats, origin: Floats) -> float:
 
 def largest_turn(reach: float) -> float:
     """[rad] By how much a hand on a straight line may turn whose part extends so far [m]."""
-    return float(min(TURNED, TURNED_FAR / max(reach, 1e-9)))
+    return float(min(HAND_TURN, HAND_TURN_REACH / max(reach, 1e-9)))
 
 
 def turns_for(radius: float) -> int:

@@ -33,7 +33,7 @@ from workbench.proof.engine.space import Space
 SIGHT = 0.1
 """[m] Distances are computed up to here."""
 
-SHARE, LEAST = 0.3, 0.002
+SHORT_SHARE, SHORT_BY = 0.3, 0.002
 """A lower bound is good enough that is short by this share of the distance, or by so much [m]."""
 
 MOST_HALVES = 100_000
@@ -51,7 +51,7 @@ FINEST = 0.00005
 TIGHT = 0.0002
 """[m] How well the smallest distance of all is wanted."""
 
-SAME = 1e-6
+ROUNDING = 1e-6
 """[m] Another machine rounds otherwise."""
 
 LOOSE = 0.12
@@ -74,8 +74,8 @@ class SearchGoal:
     """How many `waypoints` there are, and how well the distances after each are wanted.
 
     `within` [m]: the nearest of all is wanted to this, whatever waypoint it follows; None: as
-    `SHARE`.  `stated` (w,) [m] are bounds that are only checked; None: they are wanted.  Up to
-    `sight` [m] distances are reported.
+    `SHORT_SHARE`.  `stated` (w,) [m] are bounds that are only checked; None: they are wanted.
+    Distances up to `sight` [m] are reported.
     """
 
     waypoints: int
@@ -100,7 +100,7 @@ class SearchResult:
 
     def is_less_than(self, stated: Floats | None) -> bool:
         """Whether something comes nearer than was stated, (w,) [m]; another machine may round."""
-        return stated is not None and bool((self.bounds < stated - SAME).any())
+        return stated is not None and bool((self.bounds < stated - ROUNDING).any())
 
 
 def search(
@@ -160,7 +160,7 @@ class _Wanted:
 
 
 def _enough(distance: float) -> float:
-    return distance - max(SHARE * distance, LEAST)
+    return distance - max(SHORT_SHARE * distance, SHORT_BY)
 
 
 class _Search:
@@ -330,7 +330,7 @@ class _Search:
                 looked = (mine, theirs)
                 space.look(self._both(q[mine], q[theirs]))
             distance = space.distance(row)
-            if counts and wanted.stated is not None and distance < goals[place] - SAME:
+            if counts and wanted.stated is not None and distance < goals[place] - ROUNDING:
                 found.bounds[place] = distance
                 return {}
             self._note(row, distance, margin, place, counts)

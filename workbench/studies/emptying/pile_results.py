@@ -20,7 +20,7 @@ from workbench.plugins.progress import Report
 from workbench.studies.cases import run_cases
 from workbench.studies.emptying.piles import cell_of, empty_pile
 
-MOST = 10 * MB
+MOST_BYTES = 10 * MB
 """[bytes] No pile needs as much."""
 
 
@@ -90,7 +90,7 @@ def _read(folder: Path, task: PileTask) -> EmptiedPile | None:
     path = _path(folder, task)
     if not path.exists():
         return None
-    content = parse_object(path, read_whole(path, MOST))
+    content = parse_object(path, read_whole(path, MOST_BYTES))
     try:
         return _scene(task, content)
     except (TypeError, KeyError, ValueError):

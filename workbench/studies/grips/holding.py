@@ -25,7 +25,7 @@ from workbench.planning.grasps.pads import has_pads
 from workbench.plugins.progress import Report, silent
 from workbench.studies.cases import run_cases
 
-ALIKE = 20
+CASES_A_GRIP = 20
 """Cases in a row draw from the same grips."""
 
 MANY = 40
@@ -98,7 +98,8 @@ def measure(case: Case, grips: int, *, workers: int = 1, report: Report = silent
     for name in names:
         _part(case.cell, name)
     cases = [
-        replace(case, part=names[k // ALIKE % len(names)], seed=case.seed + k) for k in range(grips)
+        replace(case, part=names[k // CASES_A_GRIP % len(names)], seed=case.seed + k)
+        for k in range(grips)
     ]
     results = run_cases(pull_all, cases, workers=workers, report=report)
     return [result for result in results if result is not None]
@@ -109,7 +110,7 @@ def pull_all(case: Case) -> Pulled | None:
 
     None where the hand takes the part in no way, or does not hold it as meant even before.
     """
-    grasps = _grasps(case.cell, case.part, case.seed // ALIKE)
+    grasps = _grasps(case.cell, case.part, case.seed // CASES_A_GRIP)
     if not grasps:
         return None
     rng = np.random.default_rng([case.seed, 2])

@@ -35,13 +35,13 @@ SIZES = (1.0, 0.8, 0.6, 0.45)
 ABOUT_LEVEL = 0.2
 """How much reach a bin at the height of the arm's first joint is worth, per reach of height."""
 
-DIRECTIONS = (0.0, np.pi / 2, -np.pi / 2, np.pi)
-SAMPLES = 400
+BIN_DIRECTIONS = (0.0, np.pi / 2, -np.pi / 2, np.pi)
+POSES_A_BIN = 400
 
-ENOUGH = 0.75
+REACHED_SHARE = 0.75
 """Share of poses in a bin that an arm reaches: with less a smaller one is searched for."""
 
-PATIENCE, LONGEST = 40.0, 60.0
+BEST_TAKEN_AFTER, SEARCH_ENDS_AFTER = 40.0, 60.0
 """[s] Processor time after which the best bin found is taken, and the search ends without one."""
 
 PATIENCE_OF_SIZE = 12.0
@@ -109,7 +109,7 @@ def laid_out(cell: Cell, *, moves_bin: bool = True, report: Report = silent) -> 
     start = processor_time()
 
     def is_late() -> bool:
-        return processor_time() - start > (LONGEST if best is None else PATIENCE)
+        return processor_time() - start > (SEARCH_ENDS_AFTER if best is None else BEST_TAKEN_AFTER)
 
     for number, share in enumerate(SIZES):
         size = np.round(share * np.asarray(cell.bin.size), 2)
@@ -121,7 +121,7 @@ def laid_out(cell: Cell, *, moves_bin: bool = True, report: Report = silent) -> 
             tried = replace(spot, takes=takes_parts(spot.cell))
             if best is None or (tried.takes, tried.reached) > (best.takes, best.reached):
                 best = tried
-            if best.takes and best.reached >= ENOUGH:
+            if best.takes and best.reached >= REACHED_SHARE:
                 return LaidOut(best.cell, tuple(_describe(cell, best)), best.takes)
     if best is None:
         raise InputError(_nothing(cell))
@@ -150,7 +150,7 @@ def _complete(cell: Cell, report: Report, is_late: Callable[[], bool]) -> Iterat
 def _spots(cell: Cell, is_late: Callable[[], bool]) -> Iterator[_Spot]:
     """Bins of which the arms reach something, with a table under each; those found in time."""
     reach, feet = _reach(cell), _feet(cell)
-    for direction, share, height in product(DIRECTIONS, DISTANCES, _heights(cell)):
+    for direction, share, height in product(BIN_DIRECTIONS, DISTANCES, _heights(cell)):
         if is_late():
             return
         out = np.array([np.cos(direction), np.sin(direction), 0.0])
@@ -175,7 +175,7 @@ def _heights(cell: Cell) -> tuple[float, ...]:
     heights: list[float] = []
     for arm in cell.arms:
         chain = chain_of(cell, arm)
-        for q in rng.uniform(chain.lower, chain.upper, (SAMPLES, len(arm.joints))):
+        for q in rng.uniform(chain.lower, chain.upper, (POSES_A_BIN, len(arm.joints))):
             heights.append(float(chain.pose(q).translation[2] - feet[2]) / reach)
     # Low in the arm's stroke, since above the bin it needs the rest to lift a part over the rim.
     own = np.quantile(heights, (0.1, 0.2, 0.3)) - float(cell.bin.size[2]) / 2 / reach
@@ -233,7 +233,7 @@ def _reach(cell: Cell) -> float:
     farthest = 0.0
     for arm in cell.arms:
         chain = chain_of(cell, arm)
-        for q in rng.uniform(chain.lower, chain.upper, (SAMPLES, len(arm.joints))):
+        for q in rng.uniform(chain.lower, chain.upper, (POSES_A_BIN, len(arm.joints))):
             p = chain.pose(q).translation
             farthest = max(farthest, float(np.linalg.norm(p - chain.p[0])))
     return farthest

@@ -17,7 +17,7 @@ LAST_LINKS = 3
 """Links with a body, from the flange back, that are drawn."""
 
 LINK, TOOL, JOINT_AXIS = "#adb5bd", "#1c64b4", "#212529"
-AXES = ("#c92a2a", "#287d38", "#1c64b4")
+AXIS_COLOURS = ("#c92a2a", "#287d38", "#1c64b4")
 """Of x, y and z."""
 
 ARROW = 0.08
@@ -68,7 +68,7 @@ def _traces(cell: Cell, arm: Arm, *, with_legend: bool) -> list[go.Mesh3d | go.S
     for k, name in enumerate("xyz"):
         tip = T_world_flange.translation + ARROW * T_world_flange.rotation[:, k]
         ends = np.stack([T_world_flange.translation, tip])
-        traces.append(_line(ends, AXES[k], f"{name} of the flange", with_legend))
+        traces.append(_line(ends, AXIS_COLOURS[k], f"{name} of the flange", with_legend))
     return traces
 
 

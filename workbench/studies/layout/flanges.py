@@ -21,7 +21,7 @@ NAMES = (r"tool0$", r"flange$", r"link_?8$", r"hand(_link)?$", r"ee_link$", r"to
 ALONG = np.deg2rad(1.0)
 """[rad] So much z of a flange may be turned against the last axis."""
 
-BESIDE = 0.002
+OFF_AXIS = 0.002
 """[m] This far from that axis a flange may lie."""
 
 CLEAR = 0.002
@@ -110,7 +110,7 @@ def _fits(robot: Robot, link: str) -> bool:
         return False
     _, T, axis = found
     off = T.translation - (T.translation @ axis) * axis
-    return lean_of(robot, link) < ALONG and float(np.linalg.norm(off)) < BESIDE
+    return lean_of(robot, link) < ALONG and float(np.linalg.norm(off)) < OFF_AXIS
 
 
 def _last(robot: Robot, link: str) -> tuple[Joint, pin.SE3, Floats] | None:

@@ -13,10 +13,10 @@ from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import Chain, chain_of
 from workbench.planning.kinematics.inverse import configurations
 
-TURNS = (0.0, np.pi / 2, np.pi / 4, -np.pi / 4)
+VERTICAL_TURNS = (0.0, np.pi / 2, np.pi / 4, -np.pi / 4)
 """[rad] About the vertical, of a tool at home and at its places."""
 
-STARTS = 60
+IK_STARTS = 60
 AWAY, UP = (0.6, 0.9, 0.3, 0.0), (0.25, 0.15, 0.35, 0.1, 0.07)
 """Half widths to the arm's side of the bin's middle, and [m] above its rim; an arm whose only way
 up is an axis of 150 mm gets no higher than the last."""
@@ -97,9 +97,9 @@ def _answers(cell: Cell, arm: Arm, chain: Chain, away: float, up: float) -> list
     """Configurations (n,) with the tool down above the bin, the least awkward first."""
     p = np.array([0.0, side_of(cell, arm) * away * cell.bin.size[1] / 2, cell.bin.size[2] + up])
     rng = np.random.default_rng(0)
-    starts = rng.uniform(chain.lower, chain.upper, (STARTS, len(arm.joints)))
+    starts = rng.uniform(chain.lower, chain.upper, (IK_STARTS, len(arm.joints)))
     answers: list[Floats] = []
-    for turn in TURNS:
+    for turn in VERTICAL_TURNS:
         T = cell.bin.T_world_bin * pose_from_rpy(p, (np.pi, 0, turn))
         answers += list(configurations(chain, T, starts).q)
     return _order(chain, answers)

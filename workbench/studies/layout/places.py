@@ -10,7 +10,7 @@ from workbench.model.cell import Arm, Cell, Fixture
 from workbench.model.geometry import Box, Solid, pose_from_rpy
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
-from workbench.studies.layout.homes import TURNS, side_of
+from workbench.studies.layout.homes import VERTICAL_TURNS, side_of
 from workbench.studies.targets import judge_targets
 
 DROP = 0.02
@@ -41,7 +41,9 @@ def _place(cell: Cell, arm: Arm) -> tuple[tuple[pin.SE3, ...], pin.SE3] | None:
     _, width, _ = cell.bin.size
     for gap, x, height in product((0.15, 0.2, 0.28), (0.0, -0.1, 0.1), (0.08, 0.15)):
         p = np.array([x, side_of(cell, arm) * (width / 2 + gap), height])
-        poses = [cell.bin.T_world_bin * pose_from_rpy(p, (np.pi, 0, turn)) for turn in TURNS]
+        poses = [
+            cell.bin.T_world_bin * pose_from_rpy(p, (np.pi, 0, turn)) for turn in VERTICAL_TURNS
+        ]
         targets = judge_targets(world, arm, poses, 0)
         clear = tuple(target.T_world_tcp for target in targets if target.q is not None)
         if clear:

@@ -10,7 +10,7 @@ from workbench.perception.simulation.piles import drop_parts
 PARTS, SEED = 2, 0
 """The pile with which `workbench demo` begins."""
 
-PATIENCE = 8.0
+LONGEST_PLANNING = 8.0
 """[s] Of processor time for a plan: where one takes longer, another bin is better."""
 
 
@@ -26,6 +26,6 @@ def takes_parts(cell: Cell) -> bool:
         return False
     if not pile:
         return False
-    hasty = replace(cell, parts=parts, policy=replace(cell.policy, seconds=PATIENCE))
+    hasty = replace(cell, parts=parts, policy=replace(cell.policy, seconds=LONGEST_PLANNING))
     result = plan_pick(hasty, pile, "")
     return result.proof is not None and result.proof.holds

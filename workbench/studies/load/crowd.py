@@ -16,7 +16,7 @@ SCRUB = 1 / 30
 PRESS = 1.0
 """Between two values typed that become commands [s]."""
 
-STEPS = ("Scan", "Find parts", "Plan")
+BUTTONS_TO_A_PLAN = ("Scan", "Find parts", "Plan")
 """Buttons that lead to a plan."""
 
 TIME, THRESHOLD = "Time [s]", "Threshold [mm]"
@@ -106,11 +106,11 @@ async def _enter(stack: AsyncExitStack, url: str, name: str, password: str) -> R
 async def _plan(browser: RawBrowser) -> None:
     """Press one button after the other, as soon as it can be pressed."""
     # Widgets are made before they are told that they cannot be used yet.
-    for label in (*STEPS[1:], TIME):
+    for label in (*BUTTONS_TO_A_PLAN[1:], TIME):
         await browser.find_enabled(label, is_enabled=False)
     if "Take control" in browser.widgets:
         await browser.set("Take control", True)
-    for label in STEPS:
+    for label in BUTTONS_TO_A_PLAN:
         await browser.find_enabled(label)
         await browser.set(label, True)
     await browser.find_enabled(TIME)

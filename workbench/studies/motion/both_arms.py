@@ -29,7 +29,7 @@ OMPL_ITERATIONS = 1_000_000
 
 OURS, OMPL = "rrtconnect", "OMPL RRT-Connect"
 
-AROUND, HIGH = 0.25, 0.3
+BESIDE_BIN, ABOVE_FLOOR = 0.25, 0.3
 """[m] Tools begin and end no further beside the bin, and no higher above its floor."""
 
 
@@ -108,7 +108,7 @@ class BothArms:
     def _beside(self, arm: str, side: float, rng: np.random.Generator) -> Floats:
         """A configuration (n,) [rad] of one arm, as it can be sent, with its tool on that side."""
         world, box = self.worlds[OURS], self.cell.bin
-        chain, reach = world.chains[arm], box.size[:2] / 2 + AROUND
+        chain, reach = world.chains[arm], box.size[:2] / 2 + BESIDE_BIN
         while True:
             q = np.clip(
                 world.motion.rounded(rng.uniform(chain.lower, chain.upper)),
@@ -116,7 +116,7 @@ class BothArms:
                 chain.upper,
             )
             p = box.T_world_bin.actInv(chain.pose(q).translation)
-            is_beside = np.all(np.abs(p[:2]) <= reach) and 0.0 <= p[2] <= HIGH
+            is_beside = np.all(np.abs(p[:2]) <= reach) and 0.0 <= p[2] <= ABOVE_FLOOR
             if is_beside and side * p[1] > 0.0:
                 return q
 

@@ -32,7 +32,7 @@ SITUATIONS: tuple[Situation, ...] = ("wrong part", "empty bin", "rubbish")
 COUNT = 8
 """Things in a bin that is not empty."""
 
-SURE = 0.5
+ALARM_PROBABILITY = 0.5
 """Probability above which a report is a false alarm."""
 
 
@@ -58,8 +58,8 @@ class AbsentSearch:
 
     @property
     def false_alarms(self) -> int:
-        """How many reports have a probability above `SURE`."""
-        return sum(probability > SURE for probability in self.probabilities)
+        """How many reports have a probability above `ALARM_PROBABILITY`."""
+        return sum(probability > ALARM_PROBABILITY for probability in self.probabilities)
 
 
 def absent_tasks(

@@ -15,7 +15,7 @@ from workbench.studies.load.raw_browser import RawBrowser, raw_browser
 ASKS = 0.02
 """[s] Between two questions how things stand."""
 
-LONGEST = 600.0
+LONGEST_ACTION = 600.0
 """[s] That anything may take."""
 
 NOT_NOW = "this button is not available now"
@@ -72,7 +72,7 @@ class Visit:
         Raises:
             LinkError: it never does, or the page has reported of a refusal.
         """
-        end = time.monotonic() + LONGEST
+        end = time.monotonic() + LONGEST_ACTION
         while time.monotonic() < end:
             state = await self.state()
             if condition(state):
@@ -80,7 +80,7 @@ class Visit:
             if self.browser.refused:
                 raise LinkError(f"waited for {what}: {self.browser.refused[0]}")
             await asyncio.sleep(0.1)
-        raise LinkError(f"waited {LONGEST:.0f} s for {what}")
+        raise LinkError(f"waited {LONGEST_ACTION:.0f} s for {what}")
 
     async def wait_for_task(self) -> dict[str, Any]:
         """The state once no task runs."""
@@ -104,7 +104,7 @@ class Visit:
         Raises:
             LinkError: it never says them.
         """
-        end = time.monotonic() + LONGEST
+        end = time.monotonic() + LONGEST_ACTION
         while time.monotonic() < end:
             self.browser.refused.clear()
             await self.browser.upload(button, name, content)
@@ -116,7 +116,7 @@ class Visit:
                 await asyncio.sleep(AGAIN)
             else:
                 return
-        raise LinkError(f"{button!r} could not be used for {LONGEST:.0f} s")
+        raise LinkError(f"{button!r} could not be used for {LONGEST_ACTION:.0f} s")
 
     async def ask(self) -> None:
         """Ask how things stand, again and again."""

@@ -19,13 +19,13 @@ from typing import Any, Literal
 
 from workbench.model.errors import FileError
 
-LEAST = 0.05
+LEAST_STALL = 0.05
 """[s] Of processor time: what holds the others up for less is no stall."""
 
 EVERY = 0.01
 """[s] Between two looks."""
 
-DEEPEST = 16
+MOST_FRAMES = 16
 """Frames of a stack that are reported."""
 
 RUN = "_run"
@@ -60,7 +60,7 @@ class Watchdog:
     are told by the thread of that loop.
     """
 
-    def __init__(self, report: Callable[[Stall], None], least: float = LEAST) -> None:
+    def __init__(self, report: Callable[[Stall], None], least: float = LEAST_STALL) -> None:
         """Begin to watch.
 
         Args:
@@ -160,7 +160,7 @@ class Watchdog:
 def stack_of(frame: FrameType | None) -> tuple[str, ...]:
     """The frames of a stack as `file:line function`, the innermost one first."""
     lines: list[str] = []
-    while frame is not None and len(lines) < DEEPEST:
+    while frame is not None and len(lines) < MOST_FRAMES:
         code = frame.f_code
         lines.append(f"{_short(code.co_filename)}:{frame.f_lineno} {code.co_name}")
         frame = frame.f_back

@@ -13,7 +13,7 @@ from workbench.web.access.store import Store
 from workbench.web.access.users import digest_of, fold_name
 from workbench.web.http.origins import network_of
 
-MOST = 10
+MOST_FAILURES = 10
 """Failed logins in `WHILE`."""
 
 WHILE = 300.0
@@ -79,7 +79,7 @@ class Lockout:
                 (count, first) = connection.execute(
                     "SELECT count(*), min(at) FROM failures WHERE subject = ?", (subject,)
                 ).fetchone()
-                if count >= MOST:
+                if count >= MOST_FAILURES:
                     return LockedOut(max(1.0, float(first) + WHILE - now))
             for subject in subjects:
                 row = connection.execute(

@@ -7,7 +7,7 @@ from argon2.profiles import RFC_9106_LOW_MEMORY
 from workbench.model.errors import InputError
 
 SHORTEST = 10
-LONGEST = 200
+LONGEST_PASSWORD = 200
 
 _HASHER = PasswordHasher.from_parameters(RFC_9106_LOW_MEMORY)
 
@@ -26,8 +26,10 @@ def hash_of(password: str) -> str:
     """
     if len(password) < SHORTEST:
         raise InputError(f"a password needs at least {SHORTEST} characters, not {len(password)}")
-    if len(password) > LONGEST:
-        raise InputError(f"a password has at most {LONGEST} characters, not {len(password)}")
+    if len(password) > LONGEST_PASSWORD:
+        raise InputError(
+            f"a password has at most {LONGEST_PASSWORD} characters, not {len(password)}"
+        )
     try:
         return _HASHER.hash(password)
     except UnicodeEncodeError:
@@ -37,7 +39,7 @@ def hash_of(password: str) -> str:
 def is_right(password: str, kept: str) -> bool:
     """Whether it is the password that a hash was made of; takes some 0.1 s either way."""
     try:
-        return _HASHER.verify(kept, password[: LONGEST + 1])
+        return _HASHER.verify(kept, password[: LONGEST_PASSWORD + 1])
     except (VerificationError, InvalidHashError):
         return False
 

@@ -19,7 +19,7 @@ OWNER_ONLY = 0o600
 APPLICATION = 0x57426672
 """Tells our file from other SQLite files (`PRAGMA application_id`)."""
 
-PATIENCE = 5.0
+LONGEST_WAIT = 5.0
 """How long [s] a change waits for another program's."""
 
 MIGRATIONS: tuple[str, ...] = (
@@ -102,7 +102,7 @@ class Store:
         try:
             _make_private(path)
             self._connection = sqlite3.connect(
-                path, timeout=PATIENCE, isolation_level=None, check_same_thread=False
+                path, timeout=LONGEST_WAIT, isolation_level=None, check_same_thread=False
             )
         except (OSError, sqlite3.Error) as error:
             raise FileError(path, f"cannot hold users: {error}") from error

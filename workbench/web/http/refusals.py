@@ -5,7 +5,7 @@ import logging
 
 log = logging.getLogger("workbench.web")
 
-LONGEST = 200
+LONGEST_TEXT = 200
 
 
 def log_refusal(what: str, *, why: str, origin: str | None, who: str | None = None) -> None:
@@ -28,4 +28,4 @@ def log_refusal(what: str, *, why: str, origin: str | None, who: str | None = No
 
 def _quote(text: str) -> str:
     """As one word on one line, whatever somebody has put into it."""
-    return json.dumps(text if len(text) <= LONGEST else text[:LONGEST] + "...")
+    return json.dumps(text if len(text) <= LONGEST_TEXT else text[:LONGEST_TEXT] + "...")

@@ -13,7 +13,7 @@ from workbench.app.core.people import Person
 from workbench.app.core.state import Phase, State
 from workbench.plugins.addresses import is_loopback
 
-STEPS = ("scan", "find", "plan", "preview", "approve", "send")
+TOUR_STEPS = ("scan", "find", "plan", "preview", "approve", "send")
 """What the bench knows of, in the order in which it is done."""
 
 REACHED = {
@@ -46,7 +46,7 @@ def tour_of(state: State, person: Person) -> Sequence[str] | None:
 
 
 def _steps_done(state: State, person: Person) -> Sequence[str]:
-    """Those of `STEPS` that are done, by whoever; the plan has to be played before this person."""
+    """Those of `TOUR_STEPS` that are done, by whoever; this person has to have played the plan."""
     count = REACHED[state.phase]
     if state.phase is Phase.LOCALIZED and not state.detections:
         count = 1
@@ -54,4 +54,4 @@ def _steps_done(state: State, person: Person) -> Sequence[str]:
         count = 2
     elif state.phase is Phase.PLANNED and not explain_unwatched(state, person.name):
         count = 4
-    return STEPS[:count]
+    return TOUR_STEPS[:count]

@@ -15,7 +15,7 @@ from workbench.app.core.value_checks import check_among, check_number, check_tex
 from workbench.formats.cells.drawn_tools import Bytes, DrawnTool, check_drawn
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import MB
-from workbench.formats.meshes.cad_files import KINDS, LARGEST_CAD
+from workbench.formats.meshes.cad_files import CAD_ENDINGS, LARGEST_CAD
 from workbench.formats.parts.new_part import check_name
 from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.digest import LATER
@@ -142,8 +142,8 @@ def check_import(cell: Cell, command: ImportPart) -> None:
     if len(cell.parts) >= MOST_KINDS:
         raise CommandRefused(ChangeRefusal.MOST_PARTS(most=MOST_KINDS))
     kind = PurePosixPath(command.file).suffix.lower()
-    if kind not in KINDS:
-        raise CommandRefused(ChangeRefusal.NO_CAD(file=command.file, kinds=KINDS))
+    if kind not in CAD_ENDINGS:
+        raise CommandRefused(ChangeRefusal.NO_CAD(file=command.file, kinds=CAD_ENDINGS))
     if not 0 < command.content.size <= LARGEST_CAD:
         raise CommandRefused(
             ChangeRefusal.FILE_SIZE(

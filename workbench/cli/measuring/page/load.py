@@ -11,7 +11,7 @@ from typing import Any
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.bench import BenchPage
 from workbench.cli.exits import FAILURE, SUCCESS
-from workbench.cli.measuring.page.page_process import NAME, serve_page, workplace
+from workbench.cli.measuring.page.page_process import PROCESS_NAME, serve_page, workplace
 from workbench.cli.terminal import (
     check_number,
     check_whole,
@@ -37,7 +37,7 @@ def page_load(typed: BenchPage) -> int:
         make_ready(report)
     with workplace() as place, serve_page(place, typed.cell, password) as page:
         before = page.memory
-        found = asyncio.run(load(page.url, NAME, password, typed.browsers, typed.seconds))
+        found = asyncio.run(load(page.url, PROCESS_NAME, password, typed.browsers, typed.seconds))
         after, folder = page.memory, page.folder
         delays = _delays(folder, found)
     lost = len(found.pressed) - len(delays)

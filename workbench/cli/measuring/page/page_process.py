@@ -14,7 +14,7 @@ from workbench.model.errors import LinkError
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
 
-NAME = "bench"
+PROCESS_NAME = "bench"
 END_SECONDS = 30.0
 
 
@@ -49,7 +49,7 @@ def serve_page(folder: Path, cell: str, password: str, *words: str) -> Generator
     Args:
         folder: that it works in.
         cell: name or path.
-        password: of the user `NAME`.
+        password: of the user `PROCESS_NAME`.
         words: more that is typed.
 
     Raises:
@@ -58,8 +58,8 @@ def serve_page(folder: Path, cell: str, password: str, *words: str) -> Generator
     named = Path(cell).resolve() if len(Path(cell).parts) > 1 else cell
     with closing(Store(folder / "users.sqlite")) as store:
         users = Users(store)
-        users.add(NAME, Role.ENGINEER, password)
-        token = users.make_token(NAME, "bench")
+        users.add(PROCESS_NAME, Role.ENGINEER, password)
+        token = users.make_token(PROCESS_NAME, "bench")
     typed = ["serve", "--cell", str(named), "--port", "0", "--users", "users.sqlite", *words]
     process = subprocess.Popen(
         [sys.executable, "-m", "workbench", *typed],

@@ -11,7 +11,7 @@ from typing import Any
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.bench import BenchStalls
 from workbench.cli.exits import SUCCESS
-from workbench.cli.measuring.page.page_process import NAME, Served, serve_page, workplace
+from workbench.cli.measuring.page.page_process import PROCESS_NAME, Served, serve_page, workplace
 from workbench.cli.terminal import check_whole, milliseconds, print_json, print_table, progress
 from workbench.formats.cells.reading import cell_path, part_folders, read_cell
 from workbench.model.cell import Cell
@@ -19,7 +19,7 @@ from workbench.plugins.progress import Report
 from workbench.studies.stalls.actions import SETTLES, Files, doings, files_for
 from workbench.studies.stalls.visit import visit
 
-FILE = "stalls.jsonl"
+STALLS_FILE = "stalls.jsonl"
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ def stalls(typed: BenchStalls) -> int:
         own = _own_cell(cell_path(typed.cell), cell, place)
         report(0.0, "large files")
         files = files_for(cell, typed.triangles, typed.points)
-        with serve_page(place, str(own), password, "--stalls", FILE) as page:
+        with serve_page(place, str(own), password, "--stalls", STALLS_FILE) as page:
             rows = asyncio.run(_measure(page, password, files, report))
     form = [_form(row) for row in rows]
     if typed.json:
@@ -63,8 +63,8 @@ def _own_cell(path: Path, cell: Cell, place: Path) -> Path:
 
 async def _measure(page: Served, password: str, files: Files, report: Report) -> list[StallRow]:
     rows: list[StallRow] = []
-    figures = page.folder / FILE
-    async with visit(page.url, NAME, password, page.token) as visitor:
+    figures = page.folder / STALLS_FILE
+    async with visit(page.url, PROCESS_NAME, password, page.token) as visitor:
         todo = doings(files)
         for number, (name, does) in enumerate(todo.items()):
             report(number / len(todo), name)

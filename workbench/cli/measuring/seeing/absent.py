@@ -12,12 +12,12 @@ from workbench.model.errors import InputError
 from workbench.studies.cases import run_cases
 from workbench.studies.seeing.absent import absent_rows, absent_tasks, search_absent
 
-MOST = 100_000
+MOST_SCANS = 100_000
 
 
 def study_absent(typed: StudyAbsent) -> int:
     """Search where no part lies, and print the reports."""
-    check_whole("--scans", typed.scans, 1, MOST)
+    check_whole("--scans", typed.scans, 1, MOST_SCANS)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scans)
     check_whole("--workers", typed.workers, 1, 1024)
     if len(set(typed.parts)) < 2 or not typed.noise:

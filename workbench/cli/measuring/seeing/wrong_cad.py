@@ -13,12 +13,12 @@ from workbench.studies.cases import run_cases
 from workbench.studies.localization import localized_scene
 from workbench.studies.seeing.wrong_cad import wrong_cad_rows, wrong_cad_tasks
 
-MOST = 10_000
+MOST_SCANS = 10_000
 
 
 def study_wrong_cad(typed: StudyWrongCad) -> int:
     """Search by wrong CAD files, and print what is found and reported."""
-    check_whole("--scenes", typed.scenes, 1, MOST)
+    check_whole("--scenes", typed.scenes, 1, MOST_SCANS)
     check_whole("--workers", typed.workers, 1, 1024)
     if not typed.parts or not typed.noise or not typed.scales:
         raise InputError("--parts, --noise and --scales need at least one value each")

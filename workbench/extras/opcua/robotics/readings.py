@@ -32,7 +32,7 @@ ROTARY, LINEAR = 1, 3
 OTHER, ARTICULATED = 0, 1
 """Of MotionDeviceCategoryEnumeration."""
 
-CYCLE, STEP = 0, 2
+CYCLE_MODE, STEP_MODE = 0, 2
 """Of ExecutionModeEnumeration."""
 
 UNECE = "http://www.opcfoundation.org/UA/units/un/cefact"
@@ -151,7 +151,7 @@ def _of_task(task: Path, state: State, live: Live) -> Mapping[Path, Reading]:
     return {
         loaded: Reading(True, ua.VariantType.Boolean),
         name: _string(approval.plan_digest),
-        mode: _number(STEP if approval.is_stepped else CYCLE),
+        mode: _number(STEP_MODE if approval.is_stepped else CYCLE_MODE),
     }
 
 

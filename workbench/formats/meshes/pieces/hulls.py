@@ -15,7 +15,7 @@ FEW_CORNERS = 100
 CLOSE = 0.0005
 """[m] The body around such a hull that sticks out no further has corners enough."""
 
-SAME = 1e-6
+MERGED_WITHIN = 1e-6
 """[m] Corners this close are one: that little a piece may be too small after all."""
 
 THICK = 5e-5
@@ -23,7 +23,7 @@ THICK = 5e-5
 
 FINE = 0.5
 """Of a tolerance: this far apart, about, are points at which a hull is checked."""
-FEWEST, MOST = 50, 4_000
+FEWEST_POINTS, MOST_POINTS = 50, 4_000
 """Such points, at least and at most."""
 
 ROWS = 0.754877666246693, 0.569840290998053
@@ -68,8 +68,8 @@ def limit_corners(piece: Mesh, *, most: int, close: float) -> Mesh:
 
 
 def hull_mesh(points: Floats) -> Mesh:
-    """The hull of points (n, 3) [m], of which those within `SAME` of each other count as one."""
-    hull = ConvexHull(np.unique(np.round(points / SAME) * SAME, axis=0))
+    """The hull of points (n, 3) [m]; those within `MERGED_WITHIN` of each other count as one."""
+    hull = ConvexHull(np.unique(np.round(points / MERGED_WITHIN) * MERGED_WITHIN, axis=0))
     corners, faces = hull.points[hull.vertices], hull.simplices
     number = np.zeros(len(hull.points), int)
     number[hull.vertices] = np.arange(len(corners))
@@ -102,7 +102,7 @@ def area_of(triangles: Floats) -> float:
 
 def points_for(area: float, tolerance: float) -> int:
     """How many points are checked on so much surface [m2] for a tolerance [m]."""
-    return int(np.clip(area / (FINE * tolerance) ** 2, FEWEST, MOST))
+    return int(np.clip(area / (FINE * tolerance) ** 2, FEWEST_POINTS, MOST_POINTS))
 
 
 def points_on(triangles: Floats, count: int) -> tuple[Floats, Ints]:

@@ -11,7 +11,7 @@ from workbench.formats.meshes.pieces.hulls import area_of, outside, points_for, 
 from workbench.formats.meshes.pieces.surfaces import Surface
 from workbench.model.geometry import Floats
 
-APART = 1e-6
+TOUCHING_WITHIN = 1e-6
 """[m] Hulls that are no further apart may touch, and a corner no further away lies on one."""
 
 FEW = 100
@@ -20,7 +20,7 @@ FEW = 100
 LOOKS = 2
 """A pair is measured at few points, and closely only when no other pair seems better."""
 
-ENOUGH = 0.5
+NEAR_ENOUGH_SHARE = 0.5
 """Of the tolerance: distances below it need not be known closer."""
 
 
@@ -88,7 +88,9 @@ def _pairs(hulls: dict[int, ConvexHull], number: int, hull: ConvexHull) -> Itera
         np.array([getattr(other_hull, bound) for other_hull in hulls.values()])
         for bound in ("min_bound", "max_bound")
     )
-    touch = (np.maximum(lows, hull.min_bound) <= np.minimum(highs, hull.max_bound) + APART).all(1)
+    touch = (
+        np.maximum(lows, hull.min_bound) <= np.minimum(highs, hull.max_bound) + TOUCHING_WITHIN
+    ).all(1)
     for k in np.flatnonzero(touch).tolist():
         other = hulls[numbers[k]]
         both = together(hull, other)
@@ -100,7 +102,7 @@ def _new_faces(both: ConvexHull, parts: list[ConvexHull]) -> Floats:
     """The faces (n, 3, 3) [m] of a common hull that no part has."""
     is_new = np.ones(len(both.simplices), bool)
     for part in parts:
-        is_on = outside(part, both.points) <= APART
+        is_on = outside(part, both.points) <= TOUCHING_WITHIN
         is_new &= ~is_on[both.simplices].all(axis=1)
     return both.points[both.simplices[is_new]]
 
@@ -110,4 +112,4 @@ def _excess(faces: Floats, surface: Surface, tolerance: float, too_far: float, l
     if not len(faces):
         return 0.0
     count = FEW if look < LOOKS - 1 else points_for(area_of(faces), tolerance)
-    return surface.farthest(points_on(faces, count)[0], ENOUGH * tolerance, too_far)[0]
+    return surface.farthest(points_on(faces, count)[0], NEAR_ENOUGH_SHARE * tolerance, too_far)[0]

@@ -17,7 +17,7 @@ FIRST = cast(int, np.int64(0))
 LEAF = 4
 """Triangles in a box that is not divided further."""
 
-ALIKE = 1e-7
+EQUALLY_NEAR = 1e-7
 """[m] Triangles whose distance differs by no more meet at the nearest place."""
 
 ALMOST = 0.95
@@ -161,7 +161,7 @@ def _nearest(
     while size and best > limit:
         size -= 1
         node = stack[size]
-        if _to_box(low[node], high[node], point) > best + ALIKE:
+        if _to_box(low[node], high[node], point) > best + EQUALLY_NEAR:
             continue
         if node < leaves:
             left, right = 2 * node, 2 * node + 1
@@ -174,7 +174,9 @@ def _nearest(
         for k in range(first, min(first + LEAF, len(triangles))):
             away, turned = _measure(triangles[k], normals[k], point)
             # Where several meet, the one that looks most at the point, or away, tells its side.
-            if away < best - ALIKE or (away <= best + ALIKE and abs(turned) > abs(side)):
+            if away < best - EQUALLY_NEAR or (
+                away <= best + EQUALLY_NEAR and abs(turned) > abs(side)
+            ):
                 side = turned
             if away < best:
                 best, which = away, k

@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 from workbench.model.geometry import Floats
 
-NEAR = 1e-6
+COPLANAR_WITHIN = 1e-6
 """[m] Corners that are no further from a plane lie in it."""
 
 JOINED = 1e-5
@@ -52,7 +52,7 @@ def bodies(triangles: Floats, most: int) -> list[Floats]:
 def clip_soup(soup: Floats, plane: Plane) -> tuple[Floats, Floats]:
     """Triangles (n, 3, 3) [m] below and above a plane; what it goes through is cut."""
     away = soup @ plane.normal - plane.offset
-    away[np.abs(away) < NEAR] = 0.0
+    away[np.abs(away) < COPLANAR_WITHIN] = 0.0
     is_below, is_above = (away <= 0).all(axis=1), (away >= 0).all(axis=1)
     through = ~is_below & ~is_above
     cut, off = soup[through], away[through]

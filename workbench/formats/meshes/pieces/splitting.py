@@ -21,7 +21,7 @@ from workbench.formats.meshes.pieces.hulls import (
     points_for,
     points_on,
 )
-from workbench.formats.meshes.pieces.joining import APART, join_hulls
+from workbench.formats.meshes.pieces.joining import TOUCHING_WITHIN, join_hulls
 from workbench.formats.meshes.pieces.soups import Plane, bodies, clip_soup, cloud
 from workbench.formats.meshes.pieces.surfaces import Surface
 from workbench.formats.meshes.reading import convex_hull
@@ -39,7 +39,7 @@ THROUGH = 8
 
 ALONG = 8
 """Faces about the deepest hollow along which a plane may go, at most."""
-AROUND = 40
+SURFACE_POINTS = 40
 """Points of the surface at which they are searched for."""
 
 GAINS = 0.05
@@ -135,7 +135,7 @@ def group_pieces(
     found: list[Mesh] = []
     left = list(pieces)
     for hull in hulls:
-        inside = [piece for piece in left if (outside(hull, piece.points) <= APART).all()]
+        inside = [piece for piece in left if (outside(hull, piece.points) <= TOUCHING_WITHIN).all()]
         left = [piece for piece in left if not any(piece is other for other in inside)]
         if len(inside) == 1:
             found += inside
@@ -230,7 +230,7 @@ def _planes_through(piece: _Piece) -> Iterator[Plane]:
 
 def _planes_beside(piece: _Piece, surface: Surface) -> Iterator[Plane]:
     """Planes across the axes at the bottom of the deepest hollow, and along the faces there."""
-    near, normals = surface.around(piece.hollow, AROUND)
+    near, normals = surface.around(piece.hollow, SURFACE_POINTS)
     for axis in np.eye(3):
         for point in near[:1]:
             yield Plane(axis, float(point @ axis))

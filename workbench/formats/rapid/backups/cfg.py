@@ -12,7 +12,7 @@ from pathlib import Path
 from workbench.formats.files.whole_files import read_whole
 from workbench.formats.rapid.backups.files import lines_of
 
-LARGEST = 16 << 20
+LARGEST_FILE = 16 << 20
 """[bytes]"""
 
 SECTION = re.compile(r"([A-Z]\w*):\s*")
@@ -63,7 +63,7 @@ def read_configuration(paths: Sequence[Path]) -> Configuration:
     """
     found = Configuration()
     for path in paths:
-        for section, instance in instances(lines_of(read_whole(path, LARGEST))):
+        for section, instance in instances(lines_of(read_whole(path, LARGEST_FILE))):
             _take(found, section, instance)
     return found
 

@@ -179,7 +179,7 @@ class Statement(Expression):
 
     def _condition(self) -> list[SyntaxTree | Token | None]:
         condition = self.expression()
-        if self.next.type != "then" and self.next.type not in STARTS:
+        if self.next.type != "then" and self.next.type not in STATEMENT_STARTS:
             self.fail("THEN or a statement")
         return [condition]
 
@@ -235,7 +235,7 @@ class Statement(Expression):
         return self._close("test", [*children, default], at)
 
 
-STARTS = frozenset(
+STATEMENT_STARTS = frozenset(
     {
         "NAME",
         "%",

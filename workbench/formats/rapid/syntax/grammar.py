@@ -10,7 +10,7 @@ Reading goes on behind a mistake, at the next statement: each is found in one re
 
 from workbench.formats.rapid.problems import BadModule, Problem
 from workbench.formats.rapid.syntax.clauses import Statement
-from workbench.formats.rapid.syntax.reading import DEEPEST, TOO_DEEP, NoRapid
+from workbench.formats.rapid.syntax.reading import MOST_LEVELS, TOO_DEEP, NoRapid
 from workbench.formats.rapid.syntax.tokens import SyntaxTree, Token, tokens_of
 
 STORAGES = ("var", "pers", "const")
@@ -231,7 +231,7 @@ class Module(Statement):
 def _check_depth(reader: Module, tree: SyntaxTree) -> None:
     """Refuse what would have everybody who walks through the tree run out of stack."""
     level = [tree]
-    for _ in range(DEEPEST):
+    for _ in range(MOST_LEVELS):
         level = [child for node in level for child in node.children if type(child) is SyntaxTree]
     if level:
         reader.refuse(level[0], TOO_DEEP)

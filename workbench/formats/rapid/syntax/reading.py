@@ -6,7 +6,7 @@ from typing import Any, NoReturn
 from workbench.formats.rapid.problems import UNREADABLE, BadModule, Problem
 from workbench.formats.rapid.syntax.tokens import RESERVED, SyntaxTree, Token
 
-DEEPEST = 100
+MOST_LEVELS = 100
 """Levels of statements and expressions within each other; each term of a sum is one more."""
 
 TOO_DEEP = "is nested too deeply"
@@ -121,7 +121,7 @@ class TokenReader:
             BadModule: there are too many.
         """
         self._depth += 1
-        if self._depth > DEEPEST:
+        if self._depth > MOST_LEVELS:
             self.refuse(at, TOO_DEEP)
 
     def refuse(self, at: Token | SyntaxTree, what: str) -> NoReturn:

@@ -17,7 +17,7 @@ from workbench.planning.kinematics.robot import JointTree
 LOOSENESS = 0.005
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
 
-WIDE = 0.5
+WIDE_MOTION = 0.5
 """Where links move by more than this share of the radii around them: none of their bodies is
 checked for how far it moves, only for what touches; only a matter of speed."""
 
@@ -101,7 +101,7 @@ def look_at(
                     move = nearing(drift, a, b, x, y, z, R, half)
                     if apart >= margin + move:
                         continue
-                is_wide = move > WIDE * (hub[i, 3] + hub[j, 3])
+                is_wide = move > WIDE_MOTION * (hub[i, 3] + hub[j, 3])
                 if is_wide:
                     if kept >= len(open_pairs):
                         return TOO_LONG, kept, furthest

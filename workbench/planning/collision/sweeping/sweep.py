@@ -19,7 +19,7 @@ from workbench.planning.collision.sweeping.look import (
 )
 from workbench.planning.collision.sweeping.scratch import Scratch, scratch_for
 
-NARROW = 0.03
+CHECKED_TOGETHER = 0.03
 """[rad] Curves one after the other, as corners are made of, are checked together up to here."""
 
 
@@ -79,14 +79,14 @@ def sweep_chain(
 
 @njit(cache=True)
 def _narrow(points: Floats, first: int) -> int:
-    """Up to which of the curves (k, 3, n) from `first` on no joint turns by more than `NARROW`."""
+    """Where curves (k, 3, n) from `first` on turn a joint by more than `CHECKED_TOGETHER`."""
     low, high = points[first, 0].copy(), points[first, 0].copy()
     for curve in range(first, len(points)):
         for i in range(points.shape[2]):
             for k in range(3):
                 low[i] = min(low[i], points[curve, k, i])
                 high[i] = max(high[i], points[curve, k, i])
-            if high[i] - low[i] > NARROW:
+            if high[i] - low[i] > CHECKED_TOGETHER:
                 return curve
     return len(points)
 

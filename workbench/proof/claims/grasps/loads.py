@@ -17,7 +17,7 @@ from workbench.model.part import Part
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.proof.claims.tolerances import STATED
 
-ALIKE = 1e-6
+LOAD_TOLERANCE = 1e-6
 """[share] Of mass, distance and inertia, by which two computations may differ."""
 
 LEAST_SIZE = 0.01
@@ -54,10 +54,10 @@ def _is_alike(stated: Load, meant: pin.Inertia, off: float) -> bool:
     size = max(float(np.linalg.norm(meant.lever)), LEAST_SIZE)
     # What is stated a little turned has its moments turned as little.
     turned = float(np.abs(meant.inertia).max()) * off / LEAST_SIZE
-    moments = ALIKE * meant.mass * size**2 + turned
+    moments = LOAD_TOLERANCE * meant.mass * size**2 + turned
     return (
-        abs(stated.mass - meant.mass) <= ALIKE * meant.mass
-        and float(np.abs(stated.centre - meant.lever).max()) <= ALIKE * size + off
+        abs(stated.mass - meant.mass) <= LOAD_TOLERANCE * meant.mass
+        and float(np.abs(stated.centre - meant.lever).max()) <= LOAD_TOLERANCE * size + off
         and float(np.abs(stated.inertia - meant.inertia).max()) <= moments
     )
 

@@ -14,8 +14,8 @@ from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.recipes.kit import Insertion
 from workbench.model.scan import Detection
 from workbench.proof.claims.motion import dense_path
-from workbench.proof.claims.places.layers import FALL, FARTHEST, fall, standing_problem
-from workbench.proof.claims.places.placed_poses import BESIDE, lying_violations, right_poses
+from workbench.proof.claims.places.layers import FALL, SEARCHED_BELOW, fall, standing_problem
+from workbench.proof.claims.places.placed_poses import OFF_LINE, lying_violations, right_poses
 from workbench.proof.claims.stages import in_hand, tcp
 from workbench.proof.claims.tolerances import INSERTED, displacement
 from workbench.proof.engine.robot import Tree
@@ -76,7 +76,7 @@ def _insertion_problems(
         return
     along = T_world_base.rotation @ np.array(insertion.along)
     left = np.array([(T_seat.translation - T.translation) @ along for T in way])
-    if abs(left[0] - insertion.length) > BESIDE:
+    if abs(left[0] - insertion.length) > OFF_LINE:
         length, wanted = float(left[0]), insertion.length
         yield ProofText.INSERTION_LENGTH(length=length, wanted=wanted), 0
     # Past the seat it is nowhere on the line, and backing up is no way to a seat.
@@ -93,6 +93,6 @@ def _falls_far(
 ) -> Message | None:
     """That nothing carries a part, by more than `most` [m] beneath where it is released."""
     falls = fall(cell, plan.obstacles, found, T_world_put)
-    if falls >= FARTHEST:
-        return ProofText.NOTHING_BENEATH(far=FARTHEST)
+    if falls >= SEARCHED_BELOW:
+        return ProofText.NOTHING_BENEATH(far=SEARCHED_BELOW)
     return ProofText.RELEASED_HIGH(falls=falls, most=most) if falls > most else None

@@ -24,10 +24,10 @@ from workbench.proof.engine.shapes import gap_of
 FALL = 0.003
 """[m] So much more than the margin a part may fall when it is let go of onto a pallet."""
 
-FARTHEST = 0.05
+SEARCHED_BELOW = 0.05
 """[m] Nothing that is farther beneath is searched for."""
 
-NEAR = 1e-5
+RESTS_WITHIN = 1e-5
 """[m] A part that has come so near to something lies on it."""
 
 FLAT = 0.0005
@@ -111,8 +111,8 @@ def _falls_over(
     """Why a part would not come to stand at a place of a pallet; None where it does."""
     falls = fall(cell, scene.obstacles, found, T_world_put)
     most = cell.policy.margin + FALL
-    if falls >= FARTHEST:
-        return ProofText.NOTHING_BENEATH(far=FARTHEST)
+    if falls >= SEARCHED_BELOW:
+        return ProofText.NOTHING_BENEATH(far=SEARCHED_BELOW)
     if falls > most:
         return ProofText.RELEASED_HIGH(falls=falls, most=most)
     return standing_problem(cell.part(found.part), place, T_world_put)
@@ -141,7 +141,7 @@ def standing_problem(part: Part, place: PartPlace, T_world_put: pin.SE3) -> Mess
 
 
 def fall(cell: Cell, known: Sequence[Obstacle], found: Detection, T_world_put: pin.SE3) -> float:
-    """How far [m] a part falls straight down when a hand lets go of it, `FARTHEST` at most.
+    """How far [m] a part falls straight down when a hand lets go of it, `SEARCHED_BELOW` at most.
 
     Args:
         cell: whose bin and fixtures stand around.
@@ -156,23 +156,23 @@ def fall(cell: Cell, known: Sequence[Obstacle], found: Detection, T_world_put: p
     near = [
         (piece, body)
         for piece, body in product(pieces, still)
-        if gap_of(piece, body, FARTHEST) < FARTHEST
+        if gap_of(piece, body, SEARCHED_BELOW) < SEARCHED_BELOW
     ]
     fallen = 0.0
-    while fallen < FARTHEST:
+    while fallen < SEARCHED_BELOW:
         down = np.array([0.0, 0.0, -fallen])
         gap = min(
             (
                 gap_of((shape, pin.SE3(T.rotation, T.translation + down)), body)
                 for (shape, T), body in near
             ),
-            default=FARTHEST,
+            default=SEARCHED_BELOW,
         )
-        if gap <= NEAR:
+        if gap <= RESTS_WITHIN:
             return fallen
         # Nothing nearer than that can be met sooner.
         fallen += gap
-    return FARTHEST
+    return SEARCHED_BELOW
 
 
 def kept_box(

@@ -15,10 +15,10 @@ from workbench.model.symmetry import BALL, NONE, ROUND, Symmetry
 from workbench.proof.claims.scene import roll_axis
 from workbench.proof.claims.tolerances import is_on_axis
 
-START_STEP, ROUNDS = np.deg2rad(15.0), 20
+START_STEP, SEARCH_STEPS = np.deg2rad(15.0), 20
 """[rad] How far apart the search for the nearest right pose begins, and how often it goes on."""
 
-BESIDE = 0.002
+OFF_LINE = 0.002
 """[m] How far the end of the linear motion to a place may lie off the direction that it states."""
 
 
@@ -46,7 +46,7 @@ def lying_violations(
             continue
         for far, turn in place_offs(place, part.symmetry, T_world_put):
             share = max(far / place.tolerance, turn / place.turn_tolerance)
-            if np.linalg.norm(came - np.linalg.norm(came) * np.array(place.approach)) > BESIDE:
+            if np.linalg.norm(came - np.linalg.norm(came) * np.array(place.approach)) > OFF_LINE:
                 is_aside |= share <= 1.0
                 continue
             if best is None or share < best[0]:
@@ -102,7 +102,7 @@ def right_poses(place: PartPlace, symmetry: Symmetry, T_world_put: pin.SE3) -> I
     for G in group:
         for a in starts:
             S = G
-            for _ in range(1 if axis is None else ROUNDS):
+            for _ in range(1 if axis is None else SEARCH_STEPS):
                 if symmetry.form == BALL:
                     S = pin.exp3(-a * z) @ R
                 elif axis is not None:

@@ -27,10 +27,10 @@ DROP = 0.002
 FLAT = 0.0005
 """[m] Points of a part that are no higher than this above its lowest one are what it stands on."""
 
-NEAR = 0.001
+RESTS_WITHIN = 0.001
 """[m] How far what a part stands on may be below it, or above."""
 
-DIRECTIONS = 180
+SUPPORT_DIRECTIONS = 180
 """In which the outermost of the points that a part stands on are taken."""
 
 CLOSED = 0.02
@@ -80,11 +80,11 @@ def standing_violations(
         yield violation(ProofText.FALLS_OVER(station=station.name, tilt=tilt, least=least))
     stands = _standing(cell, tree, plan, arm_plan, station)
     gap = min(
-        gap_of(piece, (body.shape, body.T_joint_body), 10 * NEAR)
+        gap_of(piece, (body.shape, body.T_joint_body), 10 * RESTS_WITHIN)
         for pieces, body in product(turned_pieces(part, stands), still_of(cell, plan.scene))
         for piece in pieces
     )
-    if gap > NEAR:
+    if gap > RESTS_WITHIN:
         yield violation(ProofText.NOT_CARRIED(station=station.name))
     elif gap < -max(cell.policy.sink, FLAT):
         yield violation(ProofText.STANDS_IN(depth=-gap, station=station.name))
@@ -128,7 +128,7 @@ def stands_within(points: Floats, middle: Floats) -> float:
 
     The outermost points of some directions stand for all, which can only make that less.
     """
-    angles = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
+    angles = np.arange(SUPPORT_DIRECTIONS) * (2 * np.pi / SUPPORT_DIRECTIONS)
     outward = np.column_stack([np.cos(angles), np.sin(angles)])
     rim = (points - middle)[np.unique((points @ outward.T).argmax(axis=0))]
     along = (rim[:, None] - rim[None]).reshape(-1, 2)

@@ -24,7 +24,7 @@ SOONEST = 0.001
 HALVINGS, FEWER = 45, 20
 """Of an interval in which a limit is searched for, and in which a speed is."""
 
-NEAR = 1e-9
+ROUNDING_SHARE = 1e-9
 """Share of a squared speed that rounding may decide."""
 
 SHARES = np.array([1.0, 0.97, 0.93, 0.85, 0.75, 0.64, 0.5, 0.36, 0.2, 0.1, 0.03, 0.0])
@@ -49,8 +49,8 @@ def _room(
             push = (after[j] if end else before[j]) / (2.0 * width)
             first, second = (-push, push + bend) if end else (bend - push, push)
             known, open_ = (first, second) if is_before else (second, first)
-            if abs(open_) < NEAR * SOONEST**2 * acceleration[j]:
-                if abs(known * x) > acceleration[j] * (1.0 + NEAR):
+            if abs(open_) < ROUNDING_SHARE * SOONEST**2 * acceleration[j]:
+                if abs(known * x) > acceleration[j] * (1.0 + ROUNDING_SHARE):
                     return 1.0, 0.0
                 continue
             highest = (acceleration[j] - known * x) / open_
@@ -85,9 +85,9 @@ def _most(
     if low < 0.0:
         return low
     # Mostly it is that; else it is looked for.
-    high, middle = most, low * (1.0 + NEAR)
+    high, middle = most, low * (1.0 + ROUNDING_SHARE)
     for _ in range(HALVINGS):
-        if high <= low * (1.0 + NEAR):
+        if high <= low * (1.0 + ROUNDING_SHARE):
             break
         least, largest = _room(before, after, width, acceleration, middle, BEFORE)
         if max(least, lower) <= min(largest, upper):
@@ -170,7 +170,7 @@ def _between(
         lower[k] = low if low <= min(high, upper[k]) else upper[k]
         if upper[k] < 0.0:
             return np.inf, 0.0
-    if start < lower[0] * (1.0 - NEAR) or start > upper[0] * (1.0 + NEAR):
+    if start < lower[0] * (1.0 - ROUNDING_SHARE) or start > upper[0] * (1.0 + ROUNDING_SHARE):
         return np.inf, 0.0
     quick, slow = np.zeros(last + 1), np.zeros(last + 1)
     quick[0] = slow[0] = min(max(start, lower[0]), upper[0])
@@ -199,7 +199,7 @@ def _onward(
     """
     low, high = start, end
     quick, slow = _between(slopes, widths, acceleration, most, start, end)
-    if halvings and planned > slow * (1.0 + NEAR):
+    if halvings and planned > slow * (1.0 + ROUNDING_SHARE):
         # The lower it ends, the longer it may take; no lower than where it only brakes.
         for k in range(len(widths)):
             low, _ = _room(slopes[k], slopes[k + 1], widths[k], acceleration, low, BEFORE)
@@ -207,13 +207,13 @@ def _onward(
         for _ in range(halvings):
             middle = (low + high) / 2.0
             _, slow = _between(slopes, widths, acceleration, most, start, middle)
-            if planned <= slow * (1.0 + NEAR):
+            if planned <= slow * (1.0 + ROUNDING_SHARE):
                 low = middle
             else:
                 high = middle
         end = low
         quick, slow = _between(slopes, widths, acceleration, most, start, end)
-    if quick <= planned * (1.0 + NEAR) and planned <= slow * (1.0 + NEAR):
+    if quick <= planned * (1.0 + ROUNDING_SHARE) and planned <= slow * (1.0 + ROUNDING_SHARE):
         return end
     return -1.0
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.model.geometry import Floats
 from workbench.proof.claims.timing.s_curves import (
-    NEAR,
+    ROUNDING_SHARE,
     SOONEST,
     Allowed,
     allowed_by,
@@ -125,8 +125,8 @@ def _keeps(t: Floats, jerk: Floats, limits: Limits) -> bool:
     turns = a[:-1] * a[1:] < 0.0
     between = v[:-1] - np.where(turns, a[:-1] ** 2 / (2.0 * np.where(turns, jerk, 1.0)), 0.0)
     pairs = ((jerk, limits.jerk), (a, limits.acceleration), (v, limits.velocity))
-    is_kept = all((np.abs(found) <= most * (1.0 + NEAR)).all() for found, most in pairs)
-    return is_kept and bool((np.abs(between) <= limits.velocity * (1.0 + NEAR)).all())
+    is_kept = all((np.abs(found) <= most * (1.0 + ROUNDING_SHARE)).all() for found, most in pairs)
+    return is_kept and bool((np.abs(between) <= limits.velocity * (1.0 + ROUNDING_SHARE)).all())
 
 
 def _passes(t: Floats, jerk: Floats, steps: Floats, times: Floats, zone: float) -> bool:
@@ -136,11 +136,12 @@ def _passes(t: Floats, jerk: Floats, steps: Floats, times: Floats, zone: float) 
     """
     a, v, q = _states(t, jerk)
     at, ends = np.concatenate([[0.0], np.cumsum(t)]), np.vstack([0 * steps[:1], steps]).cumsum(0)
-    fine = NEAR * (np.abs(steps).sum(axis=0).max() + NEAR)
+    fine = ROUNDING_SHARE * (np.abs(steps).sum(axis=0).max() + ROUNDING_SHARE)
     corners = np.arange(1, len(steps)) * 11 - 4  # where blends begin
     if not (
         (t >= 0.0).all()
-        and np.abs(at[np.append(corners + 2, -1)] - np.cumsum(times)).max() <= NEAR * times.sum()
+        and np.abs(at[np.append(corners + 2, -1)] - np.cumsum(times)).max()
+        <= ROUNDING_SHARE * times.sum()
         and np.abs(q[-1] - ends[-1]).max() <= fine
         and max(np.abs(v[-1]).max() * times.sum(), np.abs(a[-1]).max() * times.sum() ** 2) <= fine
     ):
@@ -148,9 +149,9 @@ def _passes(t: Floats, jerk: Floats, steps: Floats, times: Floats, zone: float) 
     sides = ((q[corners], steps[:-1], -1.0), (q[corners + 4], steps[1:], 1.0))
     for place, step, side in sides:
         off = side * (place - ends[1:-1])
-        share = (off * step).sum(axis=1) / np.maximum((step * step).sum(axis=1), NEAR**2)
+        share = (off * step).sum(axis=1) / np.maximum((step * step).sum(axis=1), ROUNDING_SHARE**2)
         if (np.abs(off - share[:, None] * step) > fine).any():
             return False
-        if ((share < -NEAR) | (share > zone + NEAR)).any():
+        if ((share < -ROUNDING_SHARE) | (share > zone + ROUNDING_SHARE)).any():
             return False
     return True

@@ -17,7 +17,7 @@ SOONEST = 0.001
 FREE = 1e18
 """How fast a share may change where no joint that has a limit moves."""
 
-NEAR = 1e-6
+ROUNDING_SHARE = 1e-6
 """Share of a limit, of a zone and of a time that rounding may decide."""
 
 HALVINGS = 50
@@ -145,7 +145,7 @@ def _peak(
 ) -> float:  # pragma: no cover (compiled)
     """The highest share in the middle of a way, 0 where there is not room for any."""
     low, high = max(begin, end), 1.0
-    if way(full, along, here, there, begin, end, low)[1] < -NEAR / 1000.0:
+    if way(full, along, here, there, begin, end, low)[1] < -ROUNDING_SHARE / 1000.0:
         return 0.0
     for number in range(HALVINGS):
         share = high if number == 0 else (low + high) / 2.0
@@ -172,7 +172,7 @@ def _peak_for(
         return 0.0
     seconds, _ = way(full, along, here, there, begin, end, high)
     if planned <= seconds:
-        return high if planned >= seconds * (1.0 - NEAR) else 0.0
+        return high if planned >= seconds * (1.0 - ROUNDING_SHARE) else 0.0
     low = 0.0
     for _ in range(HALVINGS):
         share = (low + high) / 2.0
@@ -181,7 +181,9 @@ def _peak_for(
         else:
             high = share
     seconds, steady = way(full, along, here, there, begin, end, high)
-    is_found = steady >= -NEAR / 1000.0 and abs(seconds - planned) <= NEAR * planned
+    is_found = (
+        steady >= -ROUNDING_SHARE / 1000.0 and abs(seconds - planned) <= ROUNDING_SHARE * planned
+    )
     return high if is_found else 0.0
 
 
