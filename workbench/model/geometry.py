@@ -7,7 +7,7 @@ A pose is a `pinocchio.SE3` named `T_a_b`: the pose of frame b in frame a, so th
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 import pinocchio as pin
@@ -18,6 +18,7 @@ from workbench.model.errors import InputError
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer[Any]]
 Bools = NDArray[np.bool_]
+N = TypeVar("N", bound=np.generic)
 
 
 def frozen(values: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:
@@ -25,6 +26,11 @@ def frozen(values: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:
     array = np.array(values, dtype=dtype, order="C")
     array.setflags(write=False)
     return array
+
+
+def sampled(rows: NDArray[N], most: int) -> NDArray[N]:
+    """Every k-th of `rows` (n, ...), with the smallest k that leaves at most `most` of them."""
+    return rows[:: max(1, -(-len(rows) // most))]
 
 
 def put(value: Any, **fields: Any) -> None:

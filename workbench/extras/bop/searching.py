@@ -14,7 +14,7 @@ from workbench.extras.bop.results import PoseEstimate
 from workbench.extras.bop.scenes import BopImage, depth_width, read_depth, read_images
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, sampled
 from workbench.model.part import Bin, GraspLibrary, Part
 from workbench.model.scan import Scan
 from workbench.model.symmetry import Symmetry
@@ -186,7 +186,7 @@ def place_of(points: Floats, seed: int) -> Bin:
         points: (n, 3) [m] in the camera's frame, all before it.
         seed: of the planes that are compared.
     """
-    some = points[:: -(-len(points) // MOST_POINTS)]
+    some = sampled(points, MOST_POINTS)
     generator = np.random.default_rng(seed)
     best, normal, offset = -np.inf, np.array([0.0, 0.0, -1.0]), float(some[:, 2].max())
     for _ in range(TRIES):

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import BinCheck, Light
-from workbench.model.geometry import Bools, Floats, pose_from_rpy, shift_and_turn
+from workbench.model.geometry import Bools, Floats, pose_from_rpy, sampled, shift_and_turn
 from workbench.model.messages.calibration import BinText
 from workbench.model.messages.message import Message
 from workbench.model.part import Bin
@@ -69,7 +69,7 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
         bin: as the cell has it.
     """
     T_bin_scanner = bin.T_world_bin.actInv(scan.T_world_scanner)
-    points = scan.points[:: -(-len(scan.points) // MOST_POINTS)]
+    points = sampled(scan.points, MOST_POINTS)
     p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
     if not bin.has_walls:
         return _check_surface(p_bin, bin)
@@ -182,7 +182,7 @@ def rim_place(p_bin: Floats, bin: Bin) -> pin.SE3 | None:
         abs(p_bin[:, 2] - height) < BAND
     )
     rim = p_bin[near]
-    rim = rim[:: -(-len(rim) // RIM_POINTS)] if len(rim) else rim
+    rim = sampled(rim, RIM_POINTS)
     best = (0.0, np.zeros(3))
     for number, start in enumerate(_starts()):
         # First only near where it should be: a heap pulls at whatever looks further.

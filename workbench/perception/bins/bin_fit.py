@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numba import njit
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, frozen, put, sampled
 from workbench.model.part import Bin
 
 SEARCHED_WITHIN, STEEPEST = 0.008, float(np.deg2rad(2.0))
@@ -154,7 +154,7 @@ def _floor(near: Floats, size: Floats, gate: float, slack: float) -> tuple[Float
     """Coefficients (6,), share seen, and deviation [m] of what is on it."""
     inner = size[:2] / 2 - CORNER
     x, y, z = np.abs(near).T
-    points = _thin(near[(x < inner[0]) & (y < inner[1]) & (z < slack)])
+    points = sampled(near[(x < inner[0]) & (y < inner[1]) & (z < slack)], MOST_FITTED)
     u, v = (2 * points[:, :2] / size[:2]).T
     rows = _quadratic(u, v)
     tilts = np.tan(STEEPEST) * size[:2] / 2
@@ -186,7 +186,7 @@ def _wall(
         & (height > CORNER)
         & (height < size[2] - CORNER)
     )
-    values = _thin(np.column_stack([out, along, height / size[2]])[there])
+    values = sampled(np.column_stack([out, along, height / size[2]])[there], MOST_FITTED)
     rows = np.column_stack([np.ones(len(values)), values[:, 1], values[:, 2]])
     tilts = np.tan(STEEPEST) * np.array([size[1 - across] / 2, size[2]])
     # What lies outside of a wall is behind it: the same as below the floor, upside down.
@@ -200,10 +200,6 @@ def _wall(
 
 def _quadratic(u: Floats, v: Floats) -> Floats:
     return np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
-
-
-def _thin(values: Floats) -> Floats:
-    return values[:: max(1, -(-len(values) // MOST_FITTED))]
 
 
 def _round(values: Floats) -> Floats:

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue]
 
 from workbench.model.calibration import BallPlate, PlateObservation
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, sampled
 from workbench.model.scan import Scan
 
 GRAIN = 0.12
@@ -159,5 +159,5 @@ def sight_plate(scan: Scan, plate: BallPlate, name: str, arm: str, q: Floats) ->
         )
     three = list(chosen)
     spread = float(np.sqrt(np.mean(spreads[three] ** 2)))
-    points = scan.points[:: -(-len(scan.points) // KEPT)]
+    points = sampled(scan.points, KEPT)
     return PlateObservation(name, arm, q, plate, centres[three], spread, points)

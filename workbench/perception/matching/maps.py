@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 from numba import njit
 
-from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, frozen, put, sampled
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.bins.bin_fit import SeenBin, inside_by
@@ -176,7 +176,7 @@ def _density(points: Floats, low: Floats, high: Floats) -> float:
         low: (2,) corner of the picture, on the plane z = 1.
         high: (2,) the opposite one.
     """
-    few = points[:: -(-len(points) // MOST_COUNTED)]
+    few = sampled(points, MOST_COUNTED)
     side = np.sqrt(float(np.prod(high - low)) * COUNTED / len(few))
     columns, rows = np.ceil((high - low) / side).astype(np.int64) + 1
     u, v = (np.floor((few[:, k] / few[:, 2] - low[k]) / side).astype(np.int64) for k in (0, 1))

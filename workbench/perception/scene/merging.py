@@ -14,7 +14,7 @@ from scipy.spatial import KDTree
 
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import scans_by_view
-from workbench.model.geometry import Floats, shift_and_turn
+from workbench.model.geometry import Floats, sampled, shift_and_turn
 from workbench.model.robot import ScannedView
 from workbench.model.scan import Scan
 from workbench.perception.views.camera import picture_bounds
@@ -158,7 +158,7 @@ def _thin(cell: Cell, scan: Scan) -> _Cloud:
     Normals are zero where there is no surface.
     """
     points = _around(cell, scan)
-    points = points[:: -(-len(points) // MOST_POINTS) or 1]
+    points = sampled(points, MOST_POINTS)
     if len(points) < NEIGHBOURS:
         return np.empty((0, 3)), np.empty((0, 3))
     _, nearest = KDTree(points).query(points, k=NEIGHBOURS)

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats, shift_and_turn
+from workbench.model.geometry import Floats, sampled, shift_and_turn
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.bins.bin_check import MOST_POINTS, SEARCHED_AROUND, rim_place
@@ -62,7 +62,7 @@ def scene_model(scan: Scan, cell: Cell, *, smallest: float = 0.0) -> SceneModel:
     dense, filled = _filled(scan.points, T_bin_scanner, bin, smallest)
     seen = fit_bin(dense, T_bin_scanner, bin, noise=deviation)
     if (seen.wall_shares < SEEN_WALL).any():
-        points = dense[:: -(-len(dense) // MOST_POINTS)]
+        points = sampled(dense, MOST_POINTS)
         T_bin_rim = rim_place(points @ T_bin_scanner.rotation.T + T_bin_scanner.translation, bin)
         if T_bin_rim is not None and _is_far(T_bin_rim):
             bin = replace(bin, T_world_bin=bin.T_world_bin * T_bin_rim)
@@ -82,7 +82,7 @@ def _filled(
     points: Floats, T_bin_scanner: pin.SE3, bin: Bin, smallest: float
 ) -> tuple[Floats, float]:
     """The points (n, 3) [m] around the bin, a sparse cloud filled in, and by how many times."""
-    few = points[:: -(-len(points) // MOST_COUNTED) or 1]
+    few = sampled(points, MOST_COUNTED)
     around = _around(few, T_bin_scanner, bin)
     if not smallest > 0.0 or len(around) < FEWEST_POINTS:
         return points, 1.0
