@@ -11,7 +11,7 @@ from drifting import PRIOR, weeks, yumi
 
 from workbench.app.calibration.calibration import bin_corners
 from workbench.model.geometry import pose_from_rpy
-from workbench.perception.calibration.drift import PARTS
+from workbench.perception.calibration.drift import PARTS_LABEL
 from workbench.perception.calibration.refinement import drift_of
 from workbench.perception.calibration.sureness import point_errors
 from workbench.perception.calibration.things import moved_to
@@ -59,7 +59,7 @@ def main(has_parts: bool, count: int, first: int) -> None:
         share = f"{np.mean(inside):.0%}" if inside else "-"
         seconds = (time.process_time() - took) / count
         print(
-            f"| {name} | table{', ' + PARTS if has_parts else ''} | {told} of {count} "
+            f"| {name} | table{', ' + PARTS_LABEL if has_parts else ''} | {told} of {count} "
             f"| {bins} of {count} | {rms[0]:.2f} mm | {rms[1]:.2f} mm | {share} | "
             f"{seconds:.1f} s |",
             flush=True,

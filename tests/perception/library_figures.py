@@ -23,7 +23,7 @@ from workbench.perception.parts.part_surface import prepare
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
 from workbench.plugins.localizer import find_parts
-from workbench.studies.localization import BUILDS, CLEAR, compare
+from workbench.studies.localization import BUILDS, CLEARLY_SEEN, compare
 
 LYING = ("keyed_cylinder", "bracket", "bolt")
 SIZES = (3, 10, 50)
@@ -59,7 +59,7 @@ def searched(cell: Cell, build: str, seed: int) -> tuple[float, float, int, int,
     clear = [
         right
         for right, share in zip(is_found, visible_shares(lying, truth), strict=True)
-        if share > CLEAR
+        if share > CLEARLY_SEEN
     ]
     wrong = sum(not one.is_right for one in found)
     return *spent, len(found), wrong, len(clear), clear.count(False)

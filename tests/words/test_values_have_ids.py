@@ -54,7 +54,7 @@ def _is_text(node: ast.expr) -> bool:
 
 def test_every_text_of_the_page_with_a_value_has_an_id():
     found: dict[str, list[str]] = {}
-    for folder in extract.SHOWN:
+    for folder in extract.PAGE_FOLDERS:
         for path in sorted((extract.PACKAGE / folder).rglob("*.py")):
             where = path.relative_to(extract.PACKAGE).as_posix()
             if where in extract.UNSEEN or where.startswith(extract.WITH_IDS):

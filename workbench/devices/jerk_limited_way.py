@@ -24,7 +24,7 @@ QUICKEST = 0.001
 
 UNLIMITED = 1e18
 
-HALVINGS = 50
+MOST_HALVINGS = 50
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,7 +175,7 @@ def _largest(holds: Callable[[float], bool], low: float = 0.0, high: float = 1.0
     """The largest number up to `high` for which something holds that holds at `low`."""
     if holds(high):
         return high
-    for _ in range(HALVINGS):
+    for _ in range(MOST_HALVINGS):
         middle = (low + high) / 2.0
         low, high = (middle, high) if holds(middle) else (low, middle)
     return low

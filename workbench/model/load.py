@@ -30,7 +30,7 @@ from workbench.model.messages.cells import LoadText
 from workbench.model.messages.message import Message
 from workbench.model.part import Part
 
-SLACK = 1e-6
+ROUNDING = 1e-6
 """[share] Rounding that a matrix of inertia may have."""
 
 Moments = tuple[float, Floats, Floats]
@@ -98,7 +98,7 @@ def load_problem(mass: float, centre: Floats, inertia: Floats) -> Message | None
         return LoadText.CENTRE()
     if np.shape(inertia) != (3, 3) or not np.all(np.isfinite(inertia)):
         return LoadText.INERTIA()
-    slack = SLACK * float(np.abs(inertia).max())
+    slack = ROUNDING * float(np.abs(inertia).max())
     if float(np.abs(inertia - inertia.T).max()) > slack:
         return LoadText.SYMMETRY()
     low, middle, high = np.linalg.eigvalsh(inertia)
@@ -225,7 +225,7 @@ def _moments(shape: Shape) -> Moments:
         case _:
             found = _mesh_moments(shape)
             low, high = shape.points.min(axis=0), shape.points.max(axis=0)
-            if found[0] > SLACK * float(np.prod(high - low)):
+            if found[0] > ROUNDING * float(np.prod(high - low)):
                 return found
             # What bounds no body counts as the box around it.
             size, middle = np.maximum(high - low, 1e-6), (low + high) / 2

@@ -13,7 +13,7 @@ from workbench.model.geometry import Floats
 
 Corners = Literal["stop", "blend", "streamed"]
 
-WHOLE = 1e-6
+WHOLE_STEP_WITHIN = 1e-6
 """[smallest step] A limit this close to a whole step is that step."""
 
 
@@ -81,7 +81,7 @@ class MotionModel:
         if self.decimals is None:
             return True
         steps = self._steps(q)
-        return bool(np.abs(steps - np.round(steps)).max(initial=0.0) <= WHOLE)
+        return bool(np.abs(steps - np.round(steps)).max(initial=0.0) <= WHOLE_STEP_WITHIN)
 
     def limits(self, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
         """Joint limits (n,) [rad] moved inwards to what can be sent.
@@ -91,8 +91,8 @@ class MotionModel:
         """
         if self.decimals is None:
             return lower, upper
-        low = self._angles(np.ceil(self._steps(lower) - WHOLE))
-        high = self._angles(np.floor(self._steps(upper) + WHOLE))
+        low = self._angles(np.ceil(self._steps(lower) - WHOLE_STEP_WITHIN))
+        high = self._angles(np.floor(self._steps(upper) + WHOLE_STEP_WITHIN))
         has_range = low < high
         return np.where(has_range, low, lower), np.where(has_range, high, upper)
 

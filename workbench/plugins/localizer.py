@@ -10,7 +10,7 @@ from workbench.plugins.found import USUAL, Group, load
 from workbench.plugins.options import options_of
 from workbench.plugins.progress import Cancelled, Report, never, silent
 
-GROUP: Group = "workbench.localizers"
+ENTRY_POINTS: Group = "workbench.localizers"
 
 
 class Localizer(Protocol):
@@ -78,7 +78,7 @@ def find_parts(
         InputError: there is no such localizer, or it found a part that the cell does not have.
     """
     name = cell.localizer.name or USUAL
-    kind = load(GROUP, name)
+    kind = load(ENTRY_POINTS, name)
     localizer: Localizer = kind(options_of(kind.Options, cell.localizer.options))
     found = localizer.find(scan, cell, seed=seed, detail=detail, report=report, cancelled=cancelled)
     known = {part.name for part in cell.parts}

@@ -8,7 +8,7 @@ import numpy as np
 from workbench.model.geometry import Floats
 from workbench.plugins.found import Group, load, names
 
-GROUP: Group = "workbench.planners"
+ENTRY_POINTS: Group = "workbench.planners"
 
 EdgeCheck = Callable[[Floats, Floats], bool]
 """Whether the straight joint motion between two configurations (n,) is clear."""
@@ -59,7 +59,7 @@ class Planner(Protocol):
 
 def planner_names() -> tuple[str, ...]:
     """All planners there are."""
-    return names(GROUP)
+    return names(ENTRY_POINTS)
 
 
 def planner_named(name: str) -> Planner:
@@ -68,4 +68,4 @@ def planner_named(name: str) -> Planner:
     Raises:
         InputError: there is none.
     """
-    return load(GROUP, name)
+    return load(ENTRY_POINTS, name)

@@ -21,7 +21,7 @@ from workbench.plugins.options import Options, options_of
 from workbench.plugins.progress import Cancelled, never
 from workbench.plugins.report_checks import Receipts, check_state, check_status
 
-GROUP: Group = "workbench.robot_links"
+ENTRY_POINTS: Group = "workbench.robot_links"
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,7 +220,7 @@ def link_named(name: str) -> RobotLink:
     Raises:
         InputError: there is none, or it is not one.
     """
-    link: Any = load(GROUP, name)
+    link: Any = load(ENTRY_POINTS, name)
     link = link() if isinstance(link, type) else link
     if not isinstance(getattr(link, "motion", None), MotionModel):
         raise InputError(f"the robot link {name!r} has no motion model")

@@ -10,7 +10,7 @@ from workbench.plugins.options import options_of
 from workbench.plugins.progress import Cancelled as Cancelled
 from workbench.plugins.progress import Report as Report
 
-GROUP: Group = "workbench.scanners"
+ENTRY_POINTS: Group = "workbench.scanners"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,5 +60,5 @@ def scanner_of(cell: Cell) -> Scanner:
     Raises:
         InputError: there is none of its name, or its options are not right.
     """
-    kind = load(GROUP, cell.scanner.source)
+    kind = load(ENTRY_POINTS, cell.scanner.source)
     return kind(cell, options_of(kind.Options, cell.scanner.options))

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from workbench.gui.shared.look import View
     from workbench.gui.shared.visitor import Visitor
 
-GROUP: Group = "workbench.tabs"
+ENTRY_POINTS: Group = "workbench.tabs"
 
 
 class Tab(Protocol):
@@ -33,4 +33,4 @@ class Tab(Protocol):
 
 def tab_names() -> tuple[str, ...]:
     """All tabs that installed packages declare."""
-    return names(GROUP)
+    return names(ENTRY_POINTS)

@@ -7,7 +7,7 @@ from workbench.model.errors import InputError
 from workbench.plugins.found import Group, load
 from workbench.plugins.options import Options, options_of
 
-GROUP: Group = "workbench.tools"
+ENTRY_POINTS: Group = "workbench.tools"
 
 
 class ToolKind(Protocol):
@@ -42,7 +42,7 @@ def made_tool(kind: str, name: str, given: Options) -> Tool:
     Raises:
         InputError: there is no such kind, its options are not right, or it makes no tool.
     """
-    found: Any = load(GROUP, kind)
+    found: Any = load(ENTRY_POINTS, kind)
     tool = found().make(name, options_of(found.Options, given))
     if not isinstance(tool, Tool) or tool.name != name:
         raise InputError(f"the tool kind {kind!r} has not made a tool {name!r}")

@@ -38,7 +38,7 @@ from workbench.studies.sureness import sureness
 RIGHT_WITHIN, RIGHT_TURN = 0.002, float(np.deg2rad(3.0))
 """[m], [rad] A detection that is further from a true pose is wrong."""
 
-CLEAR = 0.6
+CLEARLY_SEEN = 0.6
 """Parts of which more than this share can be seen are expected to be found."""
 
 BEST = 2
@@ -324,7 +324,7 @@ def _row(part: str, build: str, count: int, scenes: Sequence[Scene]) -> dict[str
         is_found
         for scene in scenes
         for visible, is_found in zip(scene.visible, scene.is_found, strict=True)
-        if visible > CLEAR
+        if visible > CLEARLY_SEEN
     ]
     return {
         "part": part,

@@ -23,7 +23,7 @@ from workbench.planning.placing.sources import scanner_error
 from workbench.plugins.progress import Report, silent
 from workbench.studies.placing import Case, look_at
 
-LOOKS, GRASPS, TRIES = 6, 2, 4
+FOUND_PARTS, GRASPS_A_PART, FALLS_A_PART = 6, 2, 4
 """Parts of each kind that are found, grasps of each, and falls for one that is."""
 
 DOWN = (0.0, 0.0, -1.0)
@@ -176,8 +176,8 @@ def errors_of(cell_name: str, kind: str, seed: int) -> Sequence[PlacingError]:
         InputError: none is found that a grasp fits.
     """
     found: list[PlacingError] = []
-    for look in range(LOOKS * TRIES):
-        if len(found) >= LOOKS * GRASPS:
+    for look in range(FOUND_PARTS * FALLS_A_PART):
+        if len(found) >= FOUND_PARTS * GRASPS_A_PART:
             break
         seen = look_at(Case(cell_name, kind, seed + look))
         if seen is None:
@@ -188,7 +188,7 @@ def errors_of(cell_name: str, kind: str, seed: int) -> Sequence[PlacingError]:
             for candidate in propose(World(cell, (lying,)))
             if candidate.verdict.is_ok and has_pads(cell.arm(candidate.arm).tool)
         }
-        some = np.random.default_rng([seed, look]).permutation(sorted(fitting))[:GRASPS]
+        some = np.random.default_rng([seed, look]).permutation(sorted(fitting))[:GRASPS_A_PART]
         found += [budget_of(cell, lying, fitting[name]).error for name in some.tolist()]
     if not found:
         raise InputError(f"{kind}: no part was found that a grasp of {cell_name} fits")

@@ -32,7 +32,7 @@ from workbench.plugins.progress import Report, never, silent
 from workbench.studies.cases import run_cases
 from workbench.studies.localization import BUILDS, RIGHT_TURN, RIGHT_WITHIN
 
-GRASPS, EACH = 4, 20
+GRASPS_A_PART, TRIALS_A_GRASP = 4, 20
 """Grasps that are tried of a part as it lies, and how often each is."""
 
 MOST_ROUNDS = 6
@@ -113,7 +113,10 @@ def measure(case: Case, grips: int, *, workers: int = 1, report: Report = silent
         left = grips - sum(len(result.shifts) for result in results)
         if left <= 0:
             break
-        cases = [replace(case, seed=seed + k) for k in range(-(-left // (GRASPS * EACH)))]
+        cases = [
+            replace(case, seed=seed + k)
+            for k in range(-(-left // (GRASPS_A_PART * TRIALS_A_GRASP)))
+        ]
         seed += len(cases)
         for some in run_cases(grip_part, cases, workers=workers, report=report):
             results += some
@@ -162,7 +165,7 @@ def _grip(case: Case, cell: Cell, part: Part, lying: Detection) -> list[Gripped]
         if candidate.verdict.is_ok and has_pads(cell.arm(candidate.arm).tool)
     ]
     once = list({candidate.grasp.name: candidate for candidate in fitting}.values())
-    chosen = [once[k] for k in sorted(rng.permutation(len(once))[:GRASPS])]
+    chosen = [once[k] for k in sorted(rng.permutation(len(once))[:GRASPS_A_PART])]
     covariance = calibration_error(cell.scanner, lying) + localization_error(lying)
     return [
         _by_one(
@@ -174,7 +177,7 @@ def _grip(case: Case, cell: Cell, part: Part, lying: Detection) -> list[Gripped]
             draw_errors(covariance, each, (case.seed, 2 + number)),
         )
         for number, candidate in enumerate(chosen)
-        for each in [GRASPS * EACH // len(chosen)]
+        for each in [GRASPS_A_PART * TRIALS_A_GRASP // len(chosen)]
     ]
 
 

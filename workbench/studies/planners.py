@@ -16,7 +16,13 @@ from workbench.model.geometry import Floats
 from workbench.planning.collision.motion import RESOLUTION, bound_curves
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
-from workbench.planning.picking.search import TRIES, as_sent, curve_check, edge_check, joint_weights
+from workbench.planning.picking.search import (
+    PATHS_TRIED,
+    as_sent,
+    curve_check,
+    edge_check,
+    joint_weights,
+)
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.planner import planner_named
 from workbench.plugins.progress import Report
@@ -80,7 +86,7 @@ class Course:
         weights, rng = joint_weights(len(goal), policy), np.random.default_rng([number])
         search = finish = 0.0
         iterations, path = 0, None
-        for _ in range(TRIES):
+        for _ in range(PATHS_TRIED):
             began = working_time()
             found, used = planner_named(planner)(
                 self.start,

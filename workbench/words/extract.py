@@ -22,7 +22,7 @@ from workbench.words.words import split_ends
 PACKAGE = Path(workbench.__file__).parent
 STATIC = PACKAGE.parent / "static"
 
-SHOWN = ("gui", "web/page", "app/core")
+PAGE_FOLDERS = ("gui", "web/page", "app/core")
 """Folders whose every text is for people at the page."""
 
 SENTENCES = (
@@ -121,7 +121,7 @@ def messages() -> Mapping[str, tuple[str, ...]]:
         if VALUE not in text and (said := tidy(text)) and _is_said(said):
             found.setdefault(said, set()).add(where)
 
-    for folder in SHOWN + SENTENCES + STATES:
+    for folder in PAGE_FOLDERS + SENTENCES + STATES:
         root = PACKAGE / folder
         for path in [root] if root.is_file() else sorted(root.rglob("*.py")):
             where = path.relative_to(PACKAGE).as_posix()
@@ -129,7 +129,7 @@ def messages() -> Mapping[str, tuple[str, ...]]:
                 continue
             for text, is_name in _literals(ast.parse(path.read_text(encoding="utf-8"))):
                 is_sentence = folder in SENTENCES and " " in text and not is_name
-                if folder in SHOWN or is_sentence or text in ALONE:
+                if folder in PAGE_FOLDERS or is_sentence or text in ALONE:
                     for piece in texts_of(text) if TAG.search(text) else (text,):
                         take(piece, where)
     for name in PAGES:

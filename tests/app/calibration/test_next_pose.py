@@ -8,7 +8,7 @@ from shipped import shipped
 
 from workbench.app.calibration.ball_plate import simulated_sight, suggested_poses
 from workbench.app.calibration.calibration import compute_calibration
-from workbench.app.calibration.next_pose import SIDES, next_poses, steps_to
+from workbench.app.calibration.next_pose import SIDE_NAMES, next_poses, steps_to
 from workbench.model.calibration import BallPlate
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.calibration import PoseText
@@ -91,4 +91,4 @@ def test_the_steps_one_after_the_other_lead_there(seed):
     assert f"{abs(np.rad2deg(yaw)):.0f} deg" in steps[0]
     assert ("counter" in steps[0]) == (yaw > 0)
     assert f"{np.rad2deg(tip):.0f} deg" in steps[1]
-    assert SIDES[round(lean / (np.pi / 4)) % 8].template in steps[1]
+    assert SIDE_NAMES[round(lean / (np.pi / 4)) % 8].template in steps[1]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.app.filling.for_remaining import families_for
-from workbench.app.filling.keeping import GRASPS
+from workbench.app.filling.keeping import MOST_GRASPS
 from workbench.app.statistics.remaining import RemainingPart
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import JobCancelled
@@ -49,7 +49,7 @@ def test_new_families_take_the_parts_that_stayed(bare, left, proposal):
 
 
 def test_a_proposal_stays_small(proposal):
-    assert 0 < len(GraspLibrary(proposal.entries).grasps) <= GRASPS
+    assert 0 < len(GraspLibrary(proposal.entries).grasps) <= MOST_GRASPS
 
 
 def test_parts_among_kinds_that_the_cell_has_no_more_are_left_out(bare, left):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from workbench.app.filling.keeping import GRASPS, _greedily
+from workbench.app.filling.keeping import MOST_GRASPS, _greedily
 
 
 def test_a_family_that_adds_nothing_to_those_before_it_is_left_out():
@@ -14,5 +14,5 @@ def test_a_family_that_adds_nothing_to_those_before_it_is_left_out():
 
 def test_a_family_of_too_many_grasps_gives_way_to_smaller_ones():
     odds = np.array([[0.9, 0.9, 0.9], [0.9, 0.9, 0.0]])
-    found = _greedily({0: "huge", 1: "small"}, {0: GRASPS + 1, 1: 10}, odds, np.ones(3))
+    found = _greedily({0: "huge", 1: "small"}, {0: MOST_GRASPS + 1, 1: 10}, odds, np.ones(3))
     assert [one.family for one in found] == ["small"]

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 from workbench.app.picking.pipeline import plan_pick
-from workbench.app.picking.sightlines import ROOM, seconds_seen, sees_from
+from workbench.app.picking.sightlines import CLEAR_OF_VIEW, seconds_seen, sees_from
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.simulation.piles import drop_parts
@@ -76,7 +76,7 @@ def test_room_is_kept_to_what_is_seen(cell, plan):
         x, y, z = mount.T_world_scanner.actInv(p)
         away.append(np.arctan2(abs(x), z) if abs(y) < abs(x) else np.inf)
     widest = min(min(away), 1.2)
-    wider = replace(mount, field_of_view=2 * float(widest) - ROOM)
+    wider = replace(mount, field_of_view=2 * float(widest) - CLEAR_OF_VIEW)
     later = sees_from(replace(cell, scanner=wider), plan)
     assert later == 0 or later > first
 

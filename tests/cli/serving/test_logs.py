@@ -6,7 +6,7 @@ import logging
 import pytest
 
 from workbench.cli.serving import logs
-from workbench.cli.serving.logs import KEPT, begin_log
+from workbench.cli.serving.logs import OLD_FILES, begin_log
 from workbench.model.errors import FileError
 
 
@@ -40,7 +40,7 @@ def test_the_files_stay_small_and_few(tmp_path, monkeypatch):
     for number in range(200):
         logging.getLogger("workbench.tested").warning("line %d", number)
     files = list(tmp_path.iterdir())
-    assert len(files) == KEPT + 1
+    assert len(files) == OLD_FILES + 1
     assert all(file.stat().st_size <= 1000 for file in files)
     assert "line 199" in (tmp_path / "log.jsonl").read_text()
 

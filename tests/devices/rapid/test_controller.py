@@ -7,7 +7,7 @@ from patient import in_threads
 from rapid_bench import module
 from waiting import wait_until
 
-from workbench.devices.rapid.controller import KEPT, MOST_HELD, RapidController
+from workbench.devices.rapid.controller import MOST_HELD, MOST_LINES, RapidController
 from workbench.devices.rapid.sockets import Network
 from workbench.formats.rapid.loading import read_source
 from workbench.formats.rapid.setup import Setup, TaskSetup
@@ -127,7 +127,7 @@ def test_only_the_newest_of_what_is_written_is_kept(cell):
     one = RapidController(
         cell, Setup({"T": TaskSetup([read_source("m", module("WaitTime 9;"))])}, {})
     )
-    for k in range(KEPT + 5):
+    for k in range(MOST_LINES + 5):
         one._write("T", str(k))
     one.network.close()
-    assert (len(one.written), one.written[0]) == (KEPT, "5")
+    assert (len(one.written), one.written[0]) == (MOST_LINES, "5")

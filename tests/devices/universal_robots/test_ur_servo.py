@@ -16,7 +16,7 @@ from workbench.devices.universal_robots.link import UrRtdeServo
 from workbench.devices.universal_robots.program import ProgramSettings, program_of
 from workbench.devices.universal_robots.sending import FOLLOWING_TOLERANCE
 from workbench.devices.universal_robots.servo import (
-    CLOSE,
+    FOLLOWS_WITHIN,
     PERIOD,
     Servo,
     off_the_references,
@@ -87,7 +87,7 @@ def test_an_arm_that_follows_stays_by_the_proven_curve_however_much_it_lags(plan
         followed = Following(arm.to_axes(leg.q[0]).tolist(), stream)
         for t in np.arange(0.0, followed.seconds, 0.01):
             q = np.asarray(arm.from_axes(followed.at(t)))
-            assert off_the_references(q, curve).max() < CLOSE + 1e-4
+            assert off_the_references(q, curve).max() < FOLLOWS_WITHIN + 1e-4
         end = np.asarray(arm.from_axes(followed.at(followed.seconds)))
         assert np.abs(end - leg.q[-1]).max() < np.deg2rad(0.02), "it stands before the hand moves"
         seconds += followed.seconds
@@ -98,7 +98,7 @@ def test_an_arm_that_follows_stays_by_the_proven_curve_however_much_it_lags(plan
 def test_at_the_planned_pace_an_arm_that_lags_would_leave_the_curve(planned, monkeypatch):
     cell, plan, approval = planned
     lags, arm = Servo(0.2, 2000), cell.arms[0]
-    monkeypatch.setattr("workbench.devices.universal_robots.servo.CLOSE", np.inf)
+    monkeypatch.setattr("workbench.devices.universal_robots.servo.FOLLOWS_WITHIN", np.inf)
     hasty = program_of(cell, plan, approval, ProgramSettings(0, 0.5, 2.0, servo=lags))
     most = 0.0
     for stream, references in zip(streams_of(hasty.text), hasty.references, strict=True):
@@ -107,7 +107,7 @@ def test_at_the_planned_pace_an_arm_that_lags_would_leave_the_curve(planned, mon
             q = np.asarray(arm.from_axes(followed.at(t)))
             most = max(most, float(off_the_references(q, references).max()))
     assert most > np.deg2rad(2.0)
-    monkeypatch.setattr("workbench.devices.universal_robots.servo.CLOSE", -1.0)
+    monkeypatch.setattr("workbench.devices.universal_robots.servo.FOLLOWS_WITHIN", -1.0)
     with pytest.raises(InputError, match="the arm would leave its way by more than"):
         program_of(cell, plan, approval, ProgramSettings(0, 0.5, 2.0, servo=lags))
 
@@ -158,7 +158,7 @@ def test_a_plan_is_streamed_once_and_the_arm_stays_in_what_was_proven(planned, h
     seen = [np.asarray(cell.arms[0].from_axes(q)) for q in seen]
     ways = program_of(cell, plan, approval, ProgramSettings(0, 0.5, 2.0, servo=SERVO)).references
     off = [min(off_the_references(q, way).max() for way in ways) for q in seen]
-    assert len(seen) > 30 and max(off) < CLOSE + 1e-4
+    assert len(seen) > 30 and max(off) < FOLLOWS_WITHIN + 1e-4
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from workbench.app.core.cycle.jobs import CancelJob
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.state import Phase
 from workbench.extras.modbus.jobs import JOBS, Answer, Error
-from workbench.extras.modbus.registers import ACTOR, HIGHEST, PHASES, SIZE, WRITTEN, Register
+from workbench.extras.modbus.registers import ACTOR, HIGHEST_VALUE, PHASES, SIZE, WRITTEN, Register
 from workbench.extras.modbus.server import ModbusOptions, ModbusServer
 from workbench.model.errors import InputError
 
@@ -36,7 +36,7 @@ class Plc:
         return self.client.write_registers(at, list(words))
 
     def words(self, command, first=0, second=0):
-        counter = self.read(Register.COUNTER_ANSWERED) % HIGHEST + 1
+        counter = self.read(Register.COUNTER_ANSWERED) % HIGHEST_VALUE + 1
         return self.read(Register.SESSION), command, first, second, counter
 
     def give(self, command, first=0, second=0):
@@ -126,7 +126,7 @@ def test_a_counter_or_a_session_that_is_not_the_next_is_refused(site, plc):
     session, *words, counter = plc.words(SCAN)
     for wrong in ((session, *words, counter + 1), (session, *words, 0xFFFF)):
         assert plc.write(*wrong).exception_code == ILLEGAL_VALUE
-    other = session % HIGHEST + 1
+    other = session % HIGHEST_VALUE + 1
     assert plc.write(other, *words, counter).exception_code == ILLEGAL_VALUE
     assert plc.write(0, *words, counter).exception_code == ILLEGAL_VALUE
     assert plc.read(Register.ANSWER) == Answer.NONE and not site.on_record("TakeScan")
@@ -145,7 +145,7 @@ def test_after_a_restart_an_old_command_is_not_given(site, plc):
 
 def test_counters_begin_again_after_the_highest(site, plc, server):
     jobs = server._jobs
-    jobs.answered = type(jobs.answered)(counter=HIGHEST)
+    jobs.answered = type(jobs.answered)(counter=HIGHEST_VALUE)
     assert plc.words(SCAN)[-1] == 1
     assert plc.give(SCAN) == DONE
 
@@ -219,7 +219,7 @@ def test_a_task_that_somebody_else_cancels_has_no_result(site, plc):
 
 
 def test_arguments_that_cannot_be_are_refused(plc):
-    assert plc.give(SCAN, HIGHEST) == not_done(Error.NOT_NOW)
+    assert plc.give(SCAN, HIGHEST_VALUE) == not_done(Error.NOT_NOW)
     assert plc.give(RECIPE, 7) == not_done(Error.NOT_NOW)
     assert plc.give(STOP) == not_done(Error.NOT_NOW), "nothing is being sent"
 

@@ -8,7 +8,7 @@ from made_films import film_of
 
 from workbench.app.emptying.film import Film
 from workbench.app.emptying.stirring import stir_pile
-from workbench.gui.emptying.reel import LOOK, Projector, advance, end_of, reel_of
+from workbench.gui.emptying.reel import LOOK_SHOWN_FOR, Projector, advance, end_of, reel_of
 from workbench.gui.shared.own import Showing
 from workbench.model.digest import digest_of
 from workbench.model.prediction import PileTask
@@ -50,9 +50,9 @@ def test_a_part_goes_with_the_hand_and_stays_where_that_lets_go_of_it(cell, kine
     pick = shot.picks[0]
     runs = {run.leg.name: run for run in stretch.runs if run.arm == pick.arm}
     lies = dict(film.fallen)[pick.number].T_world_part.translation
-    just_before = moment(cell, film, LOOK + runs["extract"].start - 1e-3)
+    just_before = moment(cell, film, LOOK_SHOWN_FOR + runs["extract"].start - 1e-3)
     np.testing.assert_allclose(places(just_before)[pick.number], lies, atol=1e-6)
-    middle = LOOK + (runs["return"].start + runs["return"].end) / 2
+    middle = LOOK_SHOWN_FOR + (runs["return"].start + runs["return"].end) / 2
     found = moment(cell, film, middle)
     held = kinematics.tcp_pose(cell.arm(pick.arm), found.arms[pick.arm].q) * pick.T_tcp_part
     np.testing.assert_allclose(places(found)[pick.number], held.translation, atol=1e-9)
@@ -69,10 +69,10 @@ def test_what_lies_beside_moves_only_while_a_part_is_lifted(cell, film):
     lift = next(run for run in reel.stretches[0].runs
                 if run.arm == pick.arm and run.leg.name == "extract")  # fmt: skip
     before, after = places(moment(cell, film, 0.0))[2], dict(pick.after)[2].T_world_part.translation
-    half = places(moment(cell, film, LOOK + (lift.start + lift.end) / 2))
+    half = places(moment(cell, film, LOOK_SHOWN_FOR + (lift.start + lift.end) / 2))
     np.testing.assert_allclose(half[2], (before + after) / 2, atol=1e-6)
     assert 3 in half, "it is still falling"
-    over = places(moment(cell, film, LOOK + lift.end + 1e-6))
+    over = places(moment(cell, film, LOOK_SHOWN_FOR + lift.end + 1e-6))
     np.testing.assert_allclose(over[2], after, atol=1e-9)
     assert 3 not in over
 
@@ -122,11 +122,11 @@ def test_stirred_parts_go_from_waypoint_to_waypoint(cell):
     run = next(run for run in stretch.runs if run.leg.name == "stir")
     k = len(run.leg.t) // 2
     for time, frame in ((0.0, shot.before), (run.start + run.leg.t[k], shot.stirred[k])):
-        found = moment(cell, film, LOOK + time)
+        found = moment(cell, film, LOOK_SHOWN_FOR + time)
         for number, detection in frame:
             np.testing.assert_allclose(
                 places(found)[number], detection.T_world_part.translation, atol=1e-6
             )
-    found = moment(cell, film, LOOK + run.end)
+    found = moment(cell, film, LOOK_SHOWN_FOR + run.end)
     assert {part.number for part in found.parts} == {k for k, _ in shot.after}
     assert "arm stirs the parts" in str(found.says)

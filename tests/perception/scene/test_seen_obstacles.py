@@ -14,7 +14,7 @@ from workbench.model.geometry import Box, Cylinder, Floats, Solid, pose_from_rpy
 from workbench.model.scan import Detection, Obstacle, Scan
 from workbench.perception.scene.reach import reach
 from workbench.perception.scene.unexplained import unexplained
-from workbench.perception.simulation.noise_models import FINE, ROUGH
+from workbench.perception.simulation.noise_models import FINE_SCANNER, ROUGH
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 
@@ -60,7 +60,7 @@ def held(points: Floats, boxes: tuple[Obstacle, ...], grown: float = CUBE) -> np
     return inside
 
 
-@pytest.mark.parametrize("noise", [FINE, ROUGH], ids=["fine", "rough"])
+@pytest.mark.parametrize("noise", [FINE_SCANNER, ROUGH], ids=["fine", "rough"])
 @pytest.mark.parametrize("resolution", RESOLUTIONS, ids=str)
 @pytest.mark.parametrize("degrees", [30, 45, 60])
 def test_posts_are_boxed_at_every_field_of_view_and_resolution(degrees, resolution, noise):
@@ -133,7 +133,7 @@ def test_single_points_in_the_air_are_no_obstacles(seed, resolution):
     assert unexplained(cell, Scan(points, scan.T_world_scanner, "speckled"), ()) == ()
 
 
-@pytest.mark.parametrize("noise", [FINE, ROUGH], ids=["fine", "rough"])
+@pytest.mark.parametrize("noise", [FINE_SCANNER, ROUGH], ids=["fine", "rough"])
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("name", ["yumi", "tx2_90"])
 def test_a_pile_that_is_known_leaves_no_obstacle(name, seed, noise):

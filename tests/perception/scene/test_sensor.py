@@ -8,7 +8,7 @@ import pytest
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.perception.scene.sensor import sensor_model
-from workbench.perception.simulation.noise_models import FINE, ROUGH
+from workbench.perception.simulation.noise_models import FINE_SCANNER, ROUGH
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 
@@ -21,7 +21,7 @@ def heap():
 
 
 @pytest.mark.parametrize("deviation", [0.0002, 0.0006, 0.0015])
-@pytest.mark.parametrize("noise", [FINE, ROUGH], ids=["fine", "rough"])
+@pytest.mark.parametrize("noise", [FINE_SCANNER, ROUGH], ids=["fine", "rough"])
 def test_noise_is_told_under_heaps_shadows_and_mistakes(heap, deviation, noise):
     cell, truth = heap
     cell = replace(cell, scanner=replace(cell.scanner, depth_noise=deviation))

@@ -10,7 +10,12 @@ from hypothesis import strategies as st
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.perception.simulation.image_errors import sheared
-from workbench.perception.simulation.noise_models import FINE, NOISE_MODELS, ROUGH, NoiseModel
+from workbench.perception.simulation.noise_models import (
+    FINE_SCANNER,
+    NOISE_MODELS,
+    ROUGH,
+    NoiseModel,
+)
 from workbench.perception.simulation.scan_noise import noisy
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
 
@@ -91,7 +96,7 @@ def test_the_rough_build_has_more_wrong_with_it(cell, upright):
         scan = synthesize(cell, (), seed=0, noise=noise)
         return float(np.mean(np.abs(scan.points[:, 2] - np.median(scan.points[:, 2])) > 0.02))
 
-    assert stray(ROUGH) > stray(FINE) > 0.0
+    assert stray(ROUGH) > stray(FINE_SCANNER) > 0.0
 
 
 def of(depth, **errors):

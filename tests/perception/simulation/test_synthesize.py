@@ -8,7 +8,7 @@ import pytest
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.perception.simulation.noise_models import FINE
+from workbench.perception.simulation.noise_models import FINE_SCANNER
 from workbench.perception.simulation.synthesize import synthesize
 
 
@@ -63,7 +63,7 @@ def test_what_lies_under_something_is_not_seen(cell, part):
 def test_noise_is_as_declared(cell, part):
     quiet = replace(cell, scanner=replace(cell.scanner, depth_noise=0.0))
     noisy = replace(cell, scanner=replace(cell.scanner, depth_noise=0.001))
-    steady = replace(FINE, outliers=0.0, flying=0.0)
+    steady = replace(FINE_SCANNER, outliers=0.0, flying=0.0)
     scans = [synthesize(one, (), seed=3, noise=steady) for one in (quiet, noisy)]
     common, first, second = np.intersect1d(scans[0].pixels, scans[1].pixels, return_indices=True)
     difference = scans[1].points[second, 2] - scans[0].points[first, 2]

@@ -7,7 +7,7 @@ import pytest
 
 from workbench.formats.cells.reading import read_cell
 from workbench.planning.collision.bodies import coal_shape, tool_shapes
-from workbench.planning.collision.hands import NOTHING, cut_of, hands_of
+from workbench.planning.collision.hands import NO_PAIR, cut_of, hands_of
 
 
 def cut_pair_by_pair(tool, pieces, T_part_tcp, opening, press):
@@ -25,7 +25,7 @@ def cut_pair_by_pair(tool, pieces, T_part_tcp, opening, press):
             )
             if distance < -press:
                 return number * len(pieces) + piece
-    return NOTHING
+    return NO_PAIR
 
 
 @pytest.mark.parametrize("cell_name", ["yumi", "tx2_90"])
@@ -40,7 +40,7 @@ def test_the_first_cut_is_that_of_looking_at_every_pair(cell_name):
         opening, press = rng.uniform(*tool.stroke), float(rng.choice([0.0, tool.press]))
         found.append(cut_of(tool, pieces, T, opening, press, 0.005))
         assert found[-1] == cut_pair_by_pair(tool, pieces, T, opening, press)
-    assert NOTHING in found and len(set(found)) > 2
+    assert NO_PAIR in found and len(set(found)) > 2
 
 
 def test_arms_with_one_tool_share_what_its_hands_do():

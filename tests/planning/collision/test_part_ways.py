@@ -7,7 +7,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Obstacle
 from workbench.perception.simulation.piles import drop_parts
-from workbench.planning.collision.pairing import SLACK
+from workbench.planning.collision.pairing import NEARER_BY
 from workbench.planning.collision.part_ways import MOST_OFF, WAY_START, kept_on_ways
 from workbench.planning.collision.world import World
 
@@ -133,7 +133,7 @@ def test_ways_off_lead_a_part_out_from_under_what_reaches_over_it(cell):
             moved.translation = one.T_world_part.translation + far * way / np.linalg.norm(way)
             gaps.append(World(cell, (Detection(one.part, moved), both[1])).part_ways.gap(0, 1))
         free = int(np.ceil(cell.policy.release / 0.003))
-        assert min(gaps[: free + 1]) >= min(gaps[0], cell.policy.near_margin) - SLACK
+        assert min(gaps[: free + 1]) >= min(gaps[0], cell.policy.near_margin) - NEARER_BY
         assert min(gaps[free:]) >= kept_on_ways(cell)
     again = World(cell, both).part_ways.ways_off(0)
     assert all(np.array_equal(a, b) for a, b in zip(off, again, strict=True))

@@ -7,7 +7,7 @@ import trimesh
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh
 from workbench.planning.grasps.part_rays import (
-    NOTHING,
+    NO_TRIANGLE,
     RayGrid,
     first_hits,
     nearest_points,
@@ -38,7 +38,7 @@ def test_rays_meet_the_nearest_face_and_miss_what_is_behind_them(box):
     directions = np.array([[-1.0, 0, 0], [0, 0, 1.0], [1.0, 0, 0], [0, -1.0, 0]])
     distances, met = first_hits(box, origins, directions)
     assert distances[[0, 1, 3]] == pytest.approx([0.04, 0.03, 0.02])
-    assert np.isinf(distances[2]) and met[2] == NOTHING
+    assert np.isinf(distances[2]) and met[2] == NO_TRIANGLE
     assert normals_of(box)[0][met[0]] == pytest.approx([1, 0, 0])
 
 
@@ -124,6 +124,6 @@ def test_what_comes_down_a_ray_meets_the_first_face_below_its_limit():
     assert height(1.0, 1.0) == pytest.approx(1.1), "starts inside, so it is where the ray leaves"
     assert height(5.0, -1.0) == pytest.approx(0.1), "from below the lower side of the lower slab"
     nothing, met = tops(points, triangles, grid, np.full((3, 3), -3.0), 1.0)
-    assert np.isnan(nothing).all() and (met == NOTHING).all()
+    assert np.isnan(nothing).all() and (met == NO_TRIANGLE).all()
     nowhere, _ = tops(points, triangles, grid, np.full((3, 3), np.nan), 1.0)
     assert np.isnan(nowhere).all()

@@ -13,7 +13,7 @@ from workbench.model.candidate import Reason
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.planning.picking.nearest_fix import SHOWN, Fixes, nearest_fix
+from workbench.planning.picking.nearest_fix import ROLL_CHANGE, Fixes, nearest_fix
 
 
 @pytest.fixture(scope="module")
@@ -61,12 +61,12 @@ def test_the_nearest_fix_leads_beside_the_key_or_asks_for_the_roll(
     fixes = Fixes(over_key, rolled, seed=0)
     as_found = {(c.detection, c.grasp.name, c.arm): c.verdict for c in judge(over_key, detections)}
     one = next(c for c in judged if as_found[c.detection, c.grasp.name, c.arm].is_ok)
-    assert fixes.of(one)[-1] == SHOWN and fixes.admits(one, SHOWN)
-    shown = fixes.fix(one, SHOWN)
-    assert (shown.change, shown.grasp, shown.policy) == (SHOWN, None, None)
+    assert fixes.of(one)[-1] == ROLL_CHANGE and fixes.admits(one, ROLL_CHANGE)
+    shown = fixes.fix(one, ROLL_CHANGE)
+    assert (shown.change, shown.grasp, shown.policy) == (ROLL_CHANGE, None, None)
     with pytest.raises(InputError, match="this change cannot be made here"):
         make_fix_command(State(over_key, detections=rolled, candidates=(one,)), shown)
-    assert SHOWN not in Fixes(over_key, detections, seed=0).of(one)
+    assert ROLL_CHANGE not in Fixes(over_key, detections, seed=0).of(one)
 
 
 def test_places_that_need_the_roll_take_no_part_without_it(cell, detections, rolled):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from workbench.formats.cells.reading import read_cell
 from workbench.model.derived.upright import tilt_from_vertical
 from workbench.planning.kinematics.chain import chain_of
-from workbench.planning.kinematics.upright import FINE, UprightLimit, Uprightness
+from workbench.planning.kinematics.upright import NOT_HALVED_BELOW, UprightLimit, Uprightness
 
 
 @pytest.fixture(scope="module")
@@ -39,8 +39,8 @@ def test_curves_are_upright_where_all_that_is_between_is(chain, seed):
         keeps = Uprightness([limit_at(chain, q, most)], [len(q)])
         tilted = keeps.find_tilted(corners[None])
         if tilted is None:
-            assert max(tilts) <= most + FINE
-        elif most > 1.2 * max(tilts) + FINE:
+            assert max(tilts) <= most + NOT_HALVED_BELOW
+        elif most > 1.2 * max(tilts) + NOT_HALVED_BELOW:
             pytest.fail("refused, though nothing is tilted so far")
 
 

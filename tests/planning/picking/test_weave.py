@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from workbench.model.plan import LEG_NAMES, Leg, Strategy
 from workbench.planning.collision.world import World
 from workbench.planning.picking import weave
-from workbench.planning.picking.weave import COUNT, EVERY, Move, Weave, interleave
+from workbench.planning.picking.weave import ALL_MOVES, COUNT, Move, Weave, interleave
 
 
 @pytest.fixture(scope="module")
@@ -62,11 +62,11 @@ SECONDS = st.lists(st.integers(1, 20), min_size=COUNT, max_size=COUNT)
 @given(first=SECONDS, second=SECONDS, seed=st.integers(0, 999), share=st.floats(0.1, 1.0))
 def test_of_all_possible_orders_the_quickest_comes_out(in_turn, first, second, seed, share):
     rng = np.random.default_rng(seed)
-    possible = {move: bool(rng.random() < share) for move in EVERY}
+    possible = {move: bool(rng.random() < share) for move in ALL_MOVES}
     arms = tuple(
         with_seconds(arm, some) for arm, some in zip(in_turn.arms, (first, second), strict=True)
     )
-    found = Weave(None, arms, dict(possible)).quickest(EVERY)
+    found = Weave(None, arms, dict(possible)).quickest(ALL_MOVES)
     able = frozenset(move for move, is_possible in possible.items() if is_possible)
     least = quickest_by_trying((first, second), able)
     if found is None:
@@ -97,7 +97,7 @@ def test_only_the_steps_of_ways_that_would_be_quickest_are_looked_at(cell, in_tu
 
 
 def test_what_may_be_done_in_turns_is_one_arm_after_the_other(in_turn):
-    allowed = [move for move in EVERY if move.is_sequential]
+    allowed = [move for move in ALL_MOVES if move.is_sequential]
     assert len(allowed) == 2 * COUNT + 1
     assert [move for move in allowed if all(move.moves)] == [Move((COUNT - 1, 0), (True, True))]
 

@@ -18,7 +18,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.proof.claims.table import SLACK, TOUCH, least_distance_allowed
+from workbench.proof.claims.table import NEARER_BY, TOUCH, least_distance_allowed
 
 LYING = (
     ((436.1786, -31.0882, 14.9278), (-74.3126, 29.0744, 20.7968)),
@@ -63,7 +63,7 @@ def test_a_plan_whose_lift_would_touch_what_is_clear_is_refused(cell, alone):
     """By 31 and 100 um; what was clear by 0.36 mm was allowed to come 0.5 mm nearer."""
     for plan in alone:
         ((begins, nearest),) = gone_wrong(cell, plan)
-        assert begins - SLACK < nearest < 0, "a proof that lets all come nearer by SLACK held"
+        assert begins - NEARER_BY < nearest < 0, "a proof that lets all come nearer by SLACK held"
         (violation,) = prove(cell, plan).violations
         assert (violation.leg, set(violation.pair)) == ("extract", {"part-1", "part-2"})
 
@@ -91,8 +91,8 @@ def test_no_lift_that_is_bent_holds_and_touches_what_was_clear(cell, alone, take
 
 
 def test_what_is_kept_grows_with_what_there_is_and_is_no_touch():
-    assert least_distance_allowed(-0.0003) == pytest.approx(-0.0003 - SLACK)
-    assert least_distance_allowed(0.0) == -SLACK
+    assert least_distance_allowed(-0.0003) == pytest.approx(-0.0003 - NEARER_BY)
+    assert least_distance_allowed(0.0) == -NEARER_BY
     begins = np.linspace(2 * TOUCH, 0.003, 100).tolist()
     assert all(0 < least_distance_allowed(one) < one for one in begins)
     assert np.all(np.diff([least_distance_allowed(one) for one in begins]) > 0)

@@ -13,7 +13,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
-from workbench.proof.claims.walk import ROOM
+from workbench.proof.claims.walk import SPARE_MARGIN
 
 DOWN = (np.pi, 0.0, 0.0)
 
@@ -151,7 +151,7 @@ def test_a_hand_that_is_wide_open_has_not_left_the_part_between_its_fingers(cell
     assert plan.proof.holds
     (one,) = plan.plan.arms
     q = np.array(one.leg("home").q)
-    assert deepest(wide, plan.plan, one, "home", one) > wide.policy.margin + ROOM
+    assert deepest(wide, plan.plan, one, "home", one) > wide.policy.margin + SPARE_MARGIN
     q[1, -1] += np.deg2rad(10.0)
     q = wide.controller.motion.rounded(q)
     bent = with_leg(plan.plan, one.arm, "home", q=q, t=one.leg("home").t * 20)

@@ -7,7 +7,7 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.messages.calibration import DriftText
 from workbench.model.messages.message import Message
-from workbench.perception.calibration.drift import FEWEST_DAYS, PARTS
+from workbench.perception.calibration.drift import FEWEST_DAYS, PARTS_LABEL
 from workbench.perception.calibration.refinement import Drift
 from workbench.perception.calibration.sureness import point_errors
 
@@ -27,7 +27,7 @@ def drift_words(cell: Cell, drift: Drift) -> tuple[Message, ...]:
             says.append(drifted)
         if course.kind == "bin" and drift.is_bin_off:
             says.append(DriftText.BIN_MOVED(moved=moved, noise=noise))
-    if PARTS in drift.drifted:
+    if PARTS_LABEL in drift.drifted:
         says.append(DriftText.PARTS_ELSEWHERE(count=drift.parts))
     days = max((len(course.days) for course in drift.courses), default=0)
     if days < 2 * FEWEST_DAYS:

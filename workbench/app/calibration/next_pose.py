@@ -16,13 +16,13 @@ from workbench.model.messages.message import Message
 from workbench.perception.calibration.next_pose import errors_with
 from workbench.planning.kinematics.robot import Kinematics
 
-TRIED = 10
+POSES_TRIED = 10
 """Poses among which the best is searched for."""
 
 LEAST_MOTION = (0.01, np.deg2rad(2.0))
 """[m, rad] Motions that are smaller than this are not reported."""
 
-SIDES = (
+SIDE_NAMES = (
     PoseText.FRONT,
     PoseText.FRONT_LEFT,
     PoseText.LEFT,
@@ -56,7 +56,7 @@ def next_poses(
         calibrated,
         arm,
         plate,
-        TRIED,
+        POSES_TRIED,
         seed=seed,
         T_flange_plate=found.T_flange_plate,
         aside=float(cell.bin.size[:2].min()) / 2,
@@ -129,4 +129,4 @@ def steps_to(T_bin_from: pin.SE3, T_bin_to: pin.SE3, thing: Message) -> tuple[Me
 
 def _side(direction: Floats) -> Message:
     """Where a level direction (2,) of the bin's frame points, by eighths of a turn."""
-    return SIDES[round(float(np.arctan2(direction[1], direction[0])) / (np.pi / 4)) % 8]()
+    return SIDE_NAMES[round(float(np.arctan2(direction[1], direction[0])) / (np.pi / 4)) % 8]()

@@ -18,8 +18,8 @@ from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import NextText
 
-EVERY = frozenset(Phase)
-SAFE = EVERY - {Phase.SENDING, Phase.FAULT}
+EVERY_PHASE = frozenset(Phase)
+SAFE = EVERY_PHASE - {Phase.SENDING, Phase.FAULT}
 
 Decision = tuple[State, tuple[Effect, ...]]
 """The state after a command, and what has to be set in motion."""

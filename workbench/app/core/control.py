@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from workbench.app.core.command import EVERY, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.command import EVERY_PHASE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.ahead import given_up
 from workbench.app.core.people import FRONT_DOOR, MACHINES, Role
 from workbench.app.core.state import State
@@ -21,7 +21,7 @@ class AskForControl(Command):
     """A person would like to be in control; who is may hand it over, or keep it."""
 
     right: ClassVar[Right] = Right(
-        CommandText.ASK_FOR_CONTROL, EVERY, beside_job=True, without_control=True
+        CommandText.ASK_FOR_CONTROL, EVERY_PHASE, beside_job=True, without_control=True
     )
 
     def check(self, state: State, asked: Asked) -> None:
@@ -36,7 +36,7 @@ class TakeControl(Command):
     """A person is in control from now on: nobody was, or an engineer takes it over."""
 
     right: ClassVar[Right] = Right(
-        CommandText.TAKE_CONTROL, EVERY, beside_job=True, without_control=True
+        CommandText.TAKE_CONTROL, EVERY_PHASE, beside_job=True, without_control=True
     )
 
     def check(self, state: State, asked: Asked) -> None:
@@ -50,7 +50,7 @@ class TakeControl(Command):
 class GiveControl(Command):
     """Hand control over to somebody who has asked for it."""
 
-    right: ClassVar[Right] = Right(CommandText.GIVE_CONTROL, EVERY, beside_job=True)
+    right: ClassVar[Right] = Right(CommandText.GIVE_CONTROL, EVERY_PHASE, beside_job=True)
 
     to: str
 
@@ -65,7 +65,7 @@ class GiveControl(Command):
 class DenyControl(Command):
     """Keep control: what `to` has asked for is answered with no."""
 
-    right: ClassVar[Right] = Right(CommandText.DENY_CONTROL, EVERY, beside_job=True)
+    right: ClassVar[Right] = Right(CommandText.DENY_CONTROL, EVERY_PHASE, beside_job=True)
 
     to: str
 
@@ -85,7 +85,7 @@ class ReleaseControl(Command):
     """
 
     right: ClassVar[Right] = Right(
-        CommandText.RELEASE_CONTROL, EVERY, beside_job=True, also_by=FRONT_DOOR
+        CommandText.RELEASE_CONTROL, EVERY_PHASE, beside_job=True, also_by=FRONT_DOOR
     )
 
     of: str = ""

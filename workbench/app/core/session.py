@@ -3,7 +3,16 @@
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from workbench.app.core.command import EVERY, SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.command import (
+    EVERY_PHASE,
+    SAFE,
+    Asked,
+    Command,
+    Decision,
+    Entry,
+    Right,
+    refuse,
+)
 from workbench.app.core.people import Role
 from workbench.app.core.rights import changes_said
 from workbench.app.core.state import Phase, State, without_approval
@@ -24,7 +33,9 @@ class Started(Command):
     had acknowledged then.  `is_trial`: a demonstration, which no later start is compared with.
     """
 
-    right: ClassVar[Right] = Right(CommandText.STARTED, EVERY, beside_job=True, by_machine=True)
+    right: ClassVar[Right] = Right(
+        CommandText.STARTED, EVERY_PHASE, beside_job=True, by_machine=True
+    )
 
     ran: Inventory
     changes: tuple[Message | str, ...] = ()
@@ -42,7 +53,9 @@ class Opened(Command):
     Words and approvals belong to one start of one bench: those given before have ended.
     """
 
-    right: ClassVar[Right] = Right(CommandText.OPENED, EVERY, beside_job=True, by_machine=True)
+    right: ClassVar[Right] = Right(
+        CommandText.OPENED, EVERY_PHASE, beside_job=True, by_machine=True
+    )
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return opened_again(state), ()
@@ -76,7 +89,7 @@ class WriteNote(Command):
     """Write a note into the session: what somebody saw or did at the cell."""
 
     right: ClassVar[Right] = Right(
-        CommandText.WRITE_NOTE, EVERY, beside_job=True, without_control=True
+        CommandText.WRITE_NOTE, EVERY_PHASE, beside_job=True, without_control=True
     )
 
     text: str
@@ -96,7 +109,7 @@ class PosesRefused(Command):
     """A file that came into the watched folder cannot be used; `problem` says why."""
 
     right: ClassVar[Right] = Right(
-        CommandText.POSES_REFUSED, EVERY, beside_job=True, by_machine=True
+        CommandText.POSES_REFUSED, EVERY_PHASE, beside_job=True, by_machine=True
     )
 
     problem: str

@@ -19,7 +19,7 @@ from workbench.model.scan import Detection
 from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.tool_check import ToolCheck
 
-TRIED = (ChangeText.FINGERS_THINNER, ChangeText.WALLS_LOWER)
+CHANGES_TRIED = (ChangeText.FINGERS_THINNER, ChangeText.WALLS_LOWER)
 """Changes of the cell that are tried, besides a cup."""
 
 LOOKED = 6
@@ -83,7 +83,7 @@ def _others(cell: Cell) -> Iterator[tuple[Message, Cell]]:
         arms = tuple(replace(arm, tool=_cup(arm.tool)) for arm in cell.arms)
         yield ChangeText.CUP(by=CUP_WIDTH), replace(cell, arms=arms)
     for change in changes_of(cell):
-        other = change.made(cell) if change.said.text in TRIED else None
+        other = change.made(cell) if change.said.text in CHANGES_TRIED else None
         if other is not None:
             yield change.said, other
 

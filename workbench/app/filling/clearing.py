@@ -25,13 +25,13 @@ from workbench.planning.picking.resolve import resolve
 WAYS = 4
 """Ways of a family by which an arm is tried at a part."""
 
-TRIED = 12
+WAYS_TRIED = 12
 """Ways of all families, at most."""
 
 MOST_GRIPS, FEWEST_GRIPS = 24, 6
 """Grips by which an arm is tried at a part that no family takes, at most and at least."""
 
-LOOKS = 1000.0
+MOST_WORK = 1000.0
 """Points of work: once they are spent, more than the least are not tried."""
 
 MOST_FAMILIES = 24
@@ -115,7 +115,7 @@ def takes(
                 if reason is None:
                     family.took.append((world.detections, number))
                     return family
-                if tried >= TRIED or reason == COVERED:
+                if tried >= WAYS_TRIED or reason == COVERED:
                     return None
     return None
 
@@ -144,7 +144,7 @@ def add_family(
     """Have a grip that takes a part add its family, None; else why none does."""
     reasons: Counter[Message] = Counter()
     work = hands[0].grower.work
-    until = work.done + LOOKS
+    until = work.done + MOST_WORK
     for hand in hands:
         for k, found in _firmest(hand, world, number, rng):
             narrow = replace(hand.raw(k), T_part_tcp=found[0].T_part_tcp, grip=found[0].grip)

@@ -20,7 +20,7 @@ from workbench.model.part import (
 )
 from workbench.model.part import with_symmetry as multiplied
 from workbench.model.scan import Detection
-from workbench.planning.collision.hands import NOTHING, Hands
+from workbench.planning.collision.hands import NO_PAIR, Hands
 from workbench.planning.collision.legs import grips
 from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
@@ -36,7 +36,7 @@ TILTS = (np.deg2rad(45.0), np.deg2rad(30.0), np.deg2rad(15.0))
 TURN = np.deg2rad(15.0)
 """[rad] Between turns of a pattern about a round body."""
 
-ROW = 0.008
+ROW_SPACING = 0.008
 """[m] Between places in a row, at least."""
 
 MOST_IN_ROW = 5
@@ -50,7 +50,7 @@ COPIES = 40
 NICE = np.deg2rad(24.0)
 """[rad] A hand that points this near to an axis, or square to it, does so, if that holds."""
 
-ALONG = 0.98
+PARALLEL_COSINE = 0.98
 """Cosine from which two directions are parallel."""
 
 Pile = tuple[Detection, ...]
@@ -109,7 +109,7 @@ def family_of(part: Part, arm: Arm, entry: Entry, least_air: float | None) -> Fa
         np.ascontiguousarray(p + R @ F.translation),
         np.tile([opening, first_grasp.grip], (len(Ts), 1)),
         np.zeros(len(Ts), np.int64),
-        np.full((len(Ts), 2), NOTHING),
+        np.full((len(Ts), 2), NO_PAIR),
     )
     return Family(entry, R, p, opening, first_grasp.grip, hands)
 
@@ -162,7 +162,7 @@ class Grower:
         row = np.array(grasp.T_part_tcp.rotation[:, 0])
         for body in self._bodies:
             angles = self._angles(grasp, body)
-            is_along = abs(float(row @ body.axis)) > ALONG
+            is_along = abs(float(row @ body.axis)) > PARALLEL_COSINE
             offsets = self._offsets(grasp, np.array(body.axis)) if is_along else (0.0,)
             if len(angles) > 1 or is_along:
                 pattern = GraspPattern(grasp, body.axis, angles, offsets, body.point)
@@ -195,7 +195,7 @@ class Grower:
         points = np.asarray(self.part.mesh.points) @ axis
         here = float(grasp.T_part_tcp.translation @ axis)
         low, high = float(points.min()) - here, float(points.max()) - here
-        step = max(ROW, round((high - low) / MOST_IN_ROW, 3))
+        step = max(ROW_SPACING, round((high - low) / MOST_IN_ROW, 3))
         steps = np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step
         return tuple(
             float(offset)

@@ -48,7 +48,7 @@ SEEDS = 40_000_000
 FIRST_PRIORITY = -1
 """Of the families that take most.  Of spares a plan looks only at as many as it needs."""
 
-USUAL = 0.8
+USUAL_SHARE = 0.8
 """Share of what is taken that the families take which are checked first in each plan."""
 
 
@@ -199,7 +199,7 @@ def rank_entries(part: Part, families: Sequence[Kept]) -> list[Entry]:
     taken = {entry.name for entry in part.library.entries}
     found: list[Entry] = []
     for family in families:
-        priority = FIRST_PRIORITY if so_far <= USUAL * whole else FIRST_PRIORITY - 1
+        priority = FIRST_PRIORITY if so_far <= USUAL_SHARE * whole else FIRST_PRIORITY - 1
         so_far += family.adds
         name = make_name(part, family.family.entry, taken)
         taken.add(name)

@@ -20,7 +20,7 @@ TAKEN, FITTING = 0.95, 0.5
 CASES = 80
 """Parts that were taken by which families are weighed."""
 
-GRASPS = 170
+MOST_GRASPS = 170
 """Grasps of all families, at most, those counted that the part's symmetry makes."""
 
 ADDS = 0.004
@@ -76,7 +76,7 @@ def _greedily(
 ) -> list[Kept]:
     """The families by what they add for each of their grasps; `left` (n,) is what is not taken."""
     found: list[Kept] = []
-    room = GRASPS
+    room = MOST_GRASPS
     while new:
         gains = {row: float((left * odds[row]).mean()) for row in new if costs[row] <= room}
         gains = {row: gain for row, gain in gains.items() if gain >= ADDS}

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.picking.pipeline import NOTHING
+from workbench.app.picking.pipeline import NO_MESSAGES
 from workbench.model.candidate import Reason, Verdict
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.by_tcp import by_each_tcp, is_for_another
@@ -103,7 +103,7 @@ def glance_by_each_tcp(
     cell: Cell,
     detections: tuple[Detection, ...],
     obstacles: tuple[Obstacle, ...],
-    avoided: Mapping[int, Message] = NOTHING,
+    avoided: Mapping[int, Message] = NO_MESSAGES,
 ) -> Glance:
     """As `glance_at`, by one TCP of the tools after the other."""
     worlds = [World(each, detections, obstacles) for each in by_each_tcp(cell)]
@@ -120,7 +120,9 @@ def glance_by_each_tcp(
     )
 
 
-def glance_at(world: World, *, avoided: Mapping[int, Message] = NOTHING, seed: int = 0) -> Glance:
+def glance_at(
+    world: World, *, avoided: Mapping[int, Message] = NO_MESSAGES, seed: int = 0
+) -> Glance:
     """All candidates that planning looks at first, judged up to reach and place.
 
     Args:

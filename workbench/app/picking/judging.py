@@ -20,13 +20,13 @@ from workbench.planning.picking.resolve import resolve
 from workbench.planning.planners.clock import processor_time
 from workbench.plugins.progress import Cancelled, Report, never, silent
 
-TRIED, JUDGED = 0.2, 0.75
+HANDS_TRIED, ALL_JUDGED = 0.2, 0.75
 """Shares of a look at candidates after which the hands were tried, and all candidates judged."""
 
 TIGHT = {Reason.TOOL_COLLISION, Reason.APPROACH_BLOCKED}
 """What fingers that arrive less open, or other lifts, may mend."""
 
-ROOM = 0.0001
+SPARE_MARGIN = 0.0001
 """[m] More than the near margin that found grips keep: the proof looks closer than planning."""
 
 
@@ -57,7 +57,7 @@ def count_hands(report: Report, cancelled: Cancelled) -> Callable[[int, int], No
     def counted(count: int, of: int) -> None:
         if cancelled():
             raise JobCancelled(CancelText.PLANNING())
-        report(TRIED * count / of, ProgressText.HAND_CHECKS(number=count, count=of))
+        report(HANDS_TRIED * count / of, ProgressText.HAND_CHECKS(number=count, count=of))
 
     return counted
 
@@ -76,7 +76,7 @@ def judge_candidates(
     for number, candidate in enumerate(candidates):
         if cancelled():
             raise JobCancelled(CancelText.PLANNING())
-        done = TRIED + (JUDGED - TRIED) * number / len(candidates)
+        done = HANDS_TRIED + (ALL_JUDGED - HANDS_TRIED) * number / len(candidates)
         report(done, ProgressText.CANDIDATES(number=number + 1, count=len(candidates)))
         verdict = candidate.verdict
         if verdict.is_ok:
@@ -139,7 +139,7 @@ def may_widen(cell: Cell, policy: Policy, candidates: Sequence[Candidate]) -> bo
 def searching_policy(policy: Policy) -> Policy:
     """The policy by which grips are searched."""
     wide = widened(policy) if policy.as_needed else policy
-    return replace(wide, near_margin=wide.near_margin + ROOM)
+    return replace(wide, near_margin=wide.near_margin + SPARE_MARGIN)
 
 
 def judge(

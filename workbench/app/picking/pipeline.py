@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from workbench.app.picking.judging import (
-    JUDGED,
+    ALL_JUDGED,
     Judged,
     count_hands,
     furthest_verdict,
@@ -54,7 +54,7 @@ TWO_ARMS = (*BOTH, "both")
 PROVEN_TRIES = 2
 """Plans with found grips that are proven before the next part is searched."""
 
-NOTHING: Mapping[int, Message] = MappingProxyType({})
+NO_MESSAGES: Mapping[int, Message] = MappingProxyType({})
 
 
 def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyword
@@ -66,7 +66,7 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     threshold: float | None = None,
     overrides: PlanOverrides = AS_THE_CELL,
     obstacles: tuple[Obstacle, ...] = (),
-    avoided: Mapping[int, Message] = NOTHING,
+    avoided: Mapping[int, Message] = NO_MESSAGES,
     wanted: Wanted | None = None,
     seed: int = 0,
     report: Report = silent,
@@ -255,7 +255,7 @@ def _plan(
             continue
         wanted = BOTH if asked.strategy == "both" else (asked.strategy,)
         if judged.picks:
-            report(JUDGED, ProgressText.MOTION())
+            report(ALL_JUDGED, ProgressText.MOTION())
         for _ in range(tries):
             found = best_of(
                 world.cell,

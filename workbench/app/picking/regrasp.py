@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from workbench.app.picking.pipeline import AS_THE_CELL, NOTHING, plan_pick
+from workbench.app.picking.pipeline import AS_THE_CELL, NO_MESSAGES, plan_pick
 from workbench.app.picking.stations import Stand, StationSearch, cell_with
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Cell, PlanOverrides, Policy
@@ -33,7 +33,7 @@ def plan_regrasp(  # noqa: PLR0913 - all that a request for a plan can say, by k
     *,
     strategy: str = "auto",
     overrides: PlanOverrides = AS_THE_CELL,
-    avoided: Mapping[int, Message] = NOTHING,
+    avoided: Mapping[int, Message] = NO_MESSAGES,
     seed: int = 0,
     report: Report = silent,
     cancelled: Cancelled = never,

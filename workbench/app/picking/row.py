@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from workbench.app.picking.pipeline import NOTHING, best_of, plan_pick
+from workbench.app.picking.pipeline import NO_MESSAGES, best_of, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.app.picking.regrasp import plan_regrasp
 from workbench.app.picking.stations import put_down
@@ -43,7 +43,7 @@ def plan_row(  # noqa: PLR0913 - all that a request for a plan can say, by keywo
     picks: int = 1,
     obstacles: tuple[Obstacle, ...] = (),
     unseen: tuple[Obstacle, ...] = (),
-    avoided: Mapping[int, Message] = NOTHING,
+    avoided: Mapping[int, Message] = NO_MESSAGES,
     wanted: Wanted | None = None,
     strategy: str = "auto",
     report: Report = silent,

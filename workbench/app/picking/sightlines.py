@@ -18,7 +18,7 @@ from workbench.planning.collision.legs import Stretch, stretches
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.world import World
 
-ROOM = 0.02
+CLEAR_OF_VIEW = 0.02
 """[m] By so much arms keep out of the view: its pose is calibrated, and lenses have a width."""
 
 AT_THE_PARTS: frozenset[LegName] = frozenset({"reach", "approach", "extract", "stir"})
@@ -31,9 +31,9 @@ VIEW = "scanner_view"
 def sees_from(cell: Cell, plan: Plan) -> int:
     """From which step of a plan on, counted from 1, the scanner sees past the arms; 0 for none.
 
-    From there on no arm, finger or held part comes within `ROOM` of what the scanner sees, whether
-    it moves or stands.  No part is taken any more.  The parts of the robot that no arm moves are
-    as in every scan.  A scanner that cannot see while arms move has no such step.
+    From there on no arm, finger or held part comes within `CLEAR_OF_VIEW` of what the scanner
+    sees, whether it moves or stands.  No part is taken any more.  The parts of the robot that no
+    arm moves are as in every scan.  A scanner that cannot see while arms move has no such step.
 
     Where a scanner's lenses and lights are apart, the view is from its frame alone.
 
@@ -46,7 +46,7 @@ def sees_from(cell: Cell, plan: Plan) -> int:
     seen = replace(cell, fixtures=(*cell.fixtures, _view(cell.scanner)))
     # A finger moves by half of the stroke at most, so that it is never further than half of that
     # from one of the two ends of its way, which are both looked at, or from its middle.
-    room = ROOM + max(arm.tool.stroke[1] / 4 for arm in cell.arms)
+    room = CLEAR_OF_VIEW + max(arm.tool.stroke[1] / 4 for arm in cell.arms)
     policy = replace(cell.policy, margin=room, near_margin=room)
     world = World(by_plan(seen, plan), plan.detections, (), policy)
     first = 0

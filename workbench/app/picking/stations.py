@@ -31,10 +31,10 @@ from workbench.plugins.progress import Cancelled, Report, never
 from workbench.proof.claims.places.standing import standing_after
 from workbench.proof.engine.robot import tree_of
 
-ABOVE = 0.0005
+ABOVE_STATION = 0.0005
 """[m] So much more than the margin a part is above a station when it is let go of."""
 
-FLAT = 2e-4
+STANDS_WITHIN = 2e-4
 """[m] Points of a part no higher than this are what it stands on."""
 
 BENEATH = 0.001
@@ -176,14 +176,14 @@ def station_problems(cell: Cell) -> Iterator[Message]:
 
 def _is_on(points: Floats, station: Station) -> bool:
     """Whether what a part stands on is within a station; its points (n, 3) [m] are seen from it."""
-    stands_on = points[points[:, 2] <= points[:, 2].min() + FLAT, :2]
-    return bool((np.abs(stands_on) <= station.size / 2 - FLAT).all())
+    stands_on = points[points[:, 2] <= points[:, 2].min() + STANDS_WITHIN, :2]
+    return bool((np.abs(stands_on) <= station.size / 2 - STANDS_WITHIN).all())
 
 
 def _above(cell: Cell, station: Station, T_world_part: pin.SE3, margin: float) -> pin.SE3:
     """Where a part is let go of that shall stand on a station: it keeps its margin up to there."""
     up = np.asarray(cell.T_world_station(station).rotation[:, 2])
-    return pin.SE3(T_world_part.rotation, T_world_part.translation + (margin + ABOVE) * up)
+    return pin.SE3(T_world_part.rotation, T_world_part.translation + (margin + ABOVE_STATION) * up)
 
 
 def cell_with(cell: Cell, kind: str, stand: Stand, policy: Policy) -> Cell:

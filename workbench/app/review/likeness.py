@@ -37,7 +37,7 @@ meets the surface behind it."""
 SCORED = 0.001
 """So far scores, and shares of a surface, may be apart."""
 
-FINEST = 0.001
+SMALLEST_SHOWN = 0.001
 """[mm, degrees] What is less is reported as this."""
 
 
@@ -292,4 +292,4 @@ def _degrees(radians: float) -> str:
 
 
 def _short(value: float) -> str:
-    return f"{max(value, FINEST):.2g}" if value < 10 else f"{value:.0f}"
+    return f"{max(value, SMALLEST_SHOWN):.2g}" if value < 10 else f"{value:.0f}"

@@ -13,7 +13,7 @@ from workbench.model.errors import CommandRefused, InputError
 
 log = logging.getLogger(__name__)
 
-EVERY = 0.5
+POLL_EVERY = 0.5
 """[s] Between two looks at the files."""
 
 FILE_ENDINGS = frozenset(
@@ -34,7 +34,7 @@ class CellWatch:
     """
 
     def __init__(
-        self, path: Path, bench: Bench, *, every: float = EVERY, is_read: bool = True
+        self, path: Path, bench: Bench, *, every: float = POLL_EVERY, is_read: bool = True
     ) -> None:
         """Begin to watch.
 

@@ -20,7 +20,7 @@ from workbench.model.scan import PosesFolder
 
 log = logging.getLogger(__name__)
 
-EVERY = 0.1
+POLL_EVERY = 0.1
 """[s] Between two looks into the folder."""
 
 COMPLETE_AFTER = 0.3
@@ -45,7 +45,7 @@ class PosesWatch:
     """
 
     def __init__(
-        self, bench: Bench, *, every: float = EVERY, still: float = COMPLETE_AFTER
+        self, bench: Bench, *, every: float = POLL_EVERY, still: float = COMPLETE_AFTER
     ) -> None:
         """Begin to watch the folder that the bench's cell names, whichever that is by then.
 

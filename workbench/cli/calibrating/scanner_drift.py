@@ -20,7 +20,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.perception.calibration.drift import DAY, DriftHistory
 
-UNITS = np.array([1000.0] * 3 + [180 / np.pi] * 3)
+TO_MM_AND_DEGREES = np.array([1000.0] * 3 + [180 / np.pi] * 3)
 """Metres and radians in millimetres and degrees."""
 
 AXIS_NAMES = ("x mm", "y mm", "z mm", "about x deg", "about y deg", "about z deg")
@@ -105,8 +105,13 @@ def _date(day: int) -> str:
 
 
 def _format(motion: Floats) -> tuple[str, ...]:
-    return tuple(f"{value:.2f}" if np.isfinite(value) else "-" for value in motion * UNITS)
+    return tuple(
+        f"{value:.2f}" if np.isfinite(value) else "-" for value in motion * TO_MM_AND_DEGREES
+    )
 
 
 def _numbers(motion: Floats) -> list[float | None]:
-    return [round(float(value), 5) if np.isfinite(value) else None for value in motion * UNITS]
+    return [
+        round(float(value), 5) if np.isfinite(value) else None
+        for value in motion * TO_MM_AND_DEGREES
+    ]

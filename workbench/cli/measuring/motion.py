@@ -21,7 +21,7 @@ from workbench.studies.motion.solving import (
 )
 
 MOST_ITERATIONS = 1_000_000
-WIDEST = 0.5
+WIDEST_MARGIN = 0.5
 """[m] A larger margin leaves no way anywhere."""
 
 OTHERS = {"ompl": OMPL, "klampt": KLAMPT}
@@ -30,7 +30,7 @@ OTHERS = {"ompl": OMPL, "klampt": KLAMPT}
 def motion(typed: BenchMotion) -> int:
     """Plan them, and tell what came out, set by set."""
     check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
-    check_number("--margin", typed.margin, 0.0, WIDEST)
+    check_number("--margin", typed.margin, 0.0, WIDEST_MARGIN)
     check_number("--seconds", typed.seconds, 0.01, 3600)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     planner_named(typed.planner)

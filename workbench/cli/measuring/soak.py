@@ -42,7 +42,7 @@ from workbench.plugins.progress import silent
 SETTLED = 0.2
 """Share of the cycles after which memory is expected to grow no more."""
 
-ROW = 1000
+CYCLES_A_ROW = 1000
 """Cycles between two rows of what was taken of the machine."""
 
 
@@ -169,13 +169,13 @@ def _megabytes(sample: Sample, name: str) -> float:
 
 def _row_ends(cycles: int) -> list[int]:
     """After how many cycles there is a row; the last one also where it is no round number."""
-    return sorted({min(10, cycles), *range(ROW, cycles + 1, ROW), cycles})
+    return sorted({min(10, cycles), *range(CYCLES_A_ROW, cycles + 1, CYCLES_A_ROW), cycles})
 
 
 def _row(cycles: int, samples: list[Sample]) -> dict[str, Any]:
     """What was taken after this many cycles, and the median of those since the row before."""
     after = samples[cycles - 1].after
-    since = samples[(cycles - 1) // ROW * ROW : cycles]
+    since = samples[(cycles - 1) // CYCLES_A_ROW * CYCLES_A_ROW : cycles]
     return {
         "cycles": cycles,
         "median_ms": milliseconds(median(sample.seconds for sample in since)),

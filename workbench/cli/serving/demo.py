@@ -43,9 +43,9 @@ from workbench.plugins.progress import Report
 from workbench.plugins.robot_link import link_named
 
 ACTOR = "demo"
-PARTS = 2
+DEMO_PARTS = 2
 
-LOOK = 0.1
+PROGRESS_EVERY = 0.1
 """Progress is shown this often [s]."""
 
 REPORTED = 10.0
@@ -175,7 +175,7 @@ class Cycle:
     def _plan(self, seed: int) -> State:
         """The state with what planning has brought for a new pile."""
         self._see_it_at_the_view()
-        self._stage("scan", TakeScan(seed, PARTS), Phase.SCANNED)
+        self._stage("scan", TakeScan(seed, DEMO_PARTS), Phase.SCANNED)
         state = self._stage("find parts", FindParts(seed), Phase.SCANNED, Phase.LOCALIZED)
         if not state.detections:
             raise NoPlan("no parts were found in the scan")
@@ -189,7 +189,7 @@ class Cycle:
         """
         cell, until = self._bench.state.cell, time.monotonic() + REPORTED
         while moved_away(cell, plan, self._bench.live.joints) and time.monotonic() < until:
-            time.sleep(LOOK / 10)
+            time.sleep(PROGRESS_EVERY / 10)
 
     def _see_it_at_the_view(self) -> None:
         """Wait for the report that an arm with a scanner stands where it scans.
@@ -198,7 +198,7 @@ class Cycle:
         """
         cell, until = self._bench.state.cell, time.monotonic() + REPORTED
         while view_problem(cell, self._bench.live.joints) and time.monotonic() < until:
-            time.sleep(LOOK / 10)
+            time.sleep(PROGRESS_EVERY / 10)
 
     def _reports_parts(self, state: State) -> bool:
         """Whether the controller says what became of parts; of some only the end is known."""
@@ -215,7 +215,7 @@ class Cycle:
             state = self._bench.do(after, ACTOR)
         # However long it takes: a worker that dies and a robot that is silent end it themselves.
         while not _is_settled(state):
-            state = self._bench.wait(_is_settled, LOOK)
+            state = self._bench.wait(_is_settled, PROGRESS_EVERY)
             self._report_stage(name, before, state)
         live = self._bench.live
         seconds = time.time() - (live.started if live.job > before else began)
@@ -236,7 +236,7 @@ class Cycle:
 def _next(seed: int) -> GoOn:
     """The wish to go on with the next pile as this one was planned."""
     wanted = MakePlan("", None, seed)
-    return GoOn(TakeScan(seed, PARTS), FindParts(seed), wanted)
+    return GoOn(TakeScan(seed, DEMO_PARTS), FindParts(seed), wanted)
 
 
 def _is_settled(state: State) -> bool:

@@ -10,7 +10,7 @@ from workbench.model.errors import FileError
 LARGEST_LOG = 10 * 2**20
 """[bytes] A file of the log is turned when it would become larger."""
 
-KEPT = 5
+OLD_FILES = 5
 """Files before the current one."""
 
 WORDS = "%(asctime)s %(name)s: %(message)s"
@@ -39,7 +39,7 @@ def begin_log(path: Path | None) -> None:
         return
     try:
         handler = logging.handlers.RotatingFileHandler(
-            path, maxBytes=LARGEST_LOG, backupCount=KEPT, encoding="utf-8"
+            path, maxBytes=LARGEST_LOG, backupCount=OLD_FILES, encoding="utf-8"
         )
     except (OSError, ValueError) as error:
         raise FileError(path, getattr(error, "strerror", None) or "cannot be written") from None

@@ -41,14 +41,14 @@ GENTLE = 50
 SETTLE = 750
 """[reports] 3 s: so long may it take to come to rest at the end of a leg."""
 
-LOOKS = 5
+REPORTS_FIRST = 5
 """[reports] That have to come in order before anything is sent."""
 
 CONNECT = 2.0
 """[s] A controller whose EGM runs is heard at once."""
 
 POLL_EVERY = 0.05
-SHOWN = 25
+SHOWN_EVERY = 25
 """[reports] Between two looks for whoever watches."""
 
 
@@ -123,7 +123,7 @@ class EgmSending:
         until = self._patience.clock() + min(CONNECT, self._patience.answer)
         heard = dict.fromkeys(self._channels, 0)
         trouble: Message | None = None
-        while min(heard.values()) < LOOKS:
+        while min(heard.values()) < REPORTS_FIRST:
             if cancelled():
                 raise JobCancelled(LinkText.NOTHING_SENT())
             if self._patience.clock() > until:
@@ -248,7 +248,7 @@ class EgmSending:
                 self._check_follows(name, feedback)
             heard.append(name)
             self._reports += 1
-            if self._reports % SHOWN == 1:
+            if self._reports % SHOWN_EVERY == 1:
                 self._report("running" if self._riding is not None else "waiting")
         return heard
 

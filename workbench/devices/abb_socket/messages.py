@@ -39,7 +39,7 @@ ALONE: frozenset[LegName] = frozenset({"home", "view"})
 
 INWARD: frozenset[LegName] = frozenset({"reach", "approach"})
 
-NUMBER = re.compile(r"-?(0|[1-9]\d{0,2})\.\d\d")
+DEGREES_NUMBER = re.compile(r"-?(0|[1-9]\d{0,2})\.\d\d")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,7 +91,7 @@ def angles_of(arm: Arm, words: Sequence[str]) -> Floats:
     if len(words) != len(arm.joints):
         raise ProtocolError(f"{len(words)} numbers came for the {len(arm.joints)} axes of an arm")
     for word in words:
-        if not NUMBER.fullmatch(word):
+        if not DEGREES_NUMBER.fullmatch(word):
             raise ProtocolError(f"{word!r} is not a number with two decimals")
     return arm.from_axes(np.deg2rad([float(word) for word in words]))
 

@@ -37,8 +37,8 @@ LAST: Final = 9999
 PRIME, FACTOR = 65521, 31
 """Of the check: what a controller computes whose numbers are exact up to 2^23."""
 
-NUMBER = re.compile(r"-?[0-9]{1,6}(\.[0-9]{1,9})?")
-WHOLE = re.compile(r"[0-9]{1,6}")
+DECIMAL_NUMBER = re.compile(r"-?[0-9]{1,6}(\.[0-9]{1,9})?")
+WHOLE_NUMBER = re.compile(r"[0-9]{1,6}")
 WORD = re.compile(r"[A-Za-z0-9_/.-]{1,40}")
 
 
@@ -128,10 +128,10 @@ def read_request(form: Form, line: bytes) -> Request:
         BadLine: one of these, or no job of the protocol.
     """
     words = words_of(form, line)
-    if len(words) < 2 or not WHOLE.fullmatch(words[0]) or int(words[0]) > LAST:
+    if len(words) < 2 or not WHOLE_NUMBER.fullmatch(words[0]) or int(words[0]) > LAST:
         raise BadLine("number")
     job = words[1].lower()
-    if WHOLE.fullmatch(job) and int(job) < len(JOBS):
+    if WHOLE_NUMBER.fullmatch(job) and int(job) < len(JOBS):
         job = JOBS[int(job)]
     if job not in JOBS or (job == "hello") != (int(words[0]) == 0):
         raise BadLine("job")
@@ -156,7 +156,7 @@ def read_number(word: str) -> float:
     Raises:
         BadLine: it is none.
     """
-    if not NUMBER.fullmatch(word):
+    if not DECIMAL_NUMBER.fullmatch(word):
         raise BadLine("value")
     return float(word)
 
@@ -167,7 +167,7 @@ def read_whole(word: str, most: int) -> int:
     Raises:
         BadLine: it is none.
     """
-    if not WHOLE.fullmatch(word) or int(word) > most:
+    if not WHOLE_NUMBER.fullmatch(word) or int(word) > most:
         raise BadLine("value")
     return int(word)
 

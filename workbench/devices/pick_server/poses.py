@@ -26,7 +26,7 @@ UNPROVEN = "unproven"
 POSES = ("approach", "grasp", "retreat")
 """Where the hand goes before it takes the part, where it takes it, and where it carries it."""
 
-DIGITS = {"mm]": 2, "deg]": 3}
+UNIT_DIGITS = {"mm]": 2, "deg]": 3}
 """After the point, by unit; others have 6."""
 
 FARTHEST_POINT = -9999.99
@@ -107,7 +107,7 @@ def _hand_pose(cell: Cell, arm: Arm, q: Floats, *, frame: str, pose_of: str) -> 
 
 def _digits(written: PoseConvention, T: pin.SE3) -> list[str]:
     words = [
-        f"{number:.{DIGITS.get(name.partition('[')[2], 6)}f}"
+        f"{number:.{UNIT_DIGITS.get(name.partition('[')[2], 6)}f}"
         for name, number in zip(written.names, written.show(T), strict=True)
     ]
     return [word.removeprefix("-") if float(word) == 0 else word for word in words]
@@ -122,7 +122,7 @@ def check_pose_lines(cell: Cell) -> None:
     written = convention(pick_options(cell).poses)
     widest = {"mm]": FARTHEST_POINT, "deg]": -179.999, "rad]": -3.141593}
     numbers = [
-        f"{widest[unit]:.{DIGITS.get(unit, 6)}f}" if unit in widest else "-0.999999"
+        f"{widest[unit]:.{UNIT_DIGITS.get(unit, 6)}f}" if unit in widest else "-0.999999"
         for unit in (name.partition("[")[2] for name in written.names)
     ]
     load = ("99.999", "-999.9", "-999.9", "-999.9")

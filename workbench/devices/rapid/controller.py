@@ -39,7 +39,7 @@ MOST_STEPS = 250
 MOST_HELD = 100
 """Turns in a row, of some hundred statements each, that a robot's program may hold robots' time."""
 
-KEPT = 10_000
+MOST_LINES = 10_000
 """Lines of `written`, the newest."""
 
 PART = 15.0
@@ -229,7 +229,7 @@ class RapidController:
 
     def _write(self, task: str, text: str) -> None:
         self.written.append(text)
-        del self.written[:-KEPT]
+        del self.written[:-MOST_LINES]
         log.info("%s: %s", task, text)
 
     # -- the loop

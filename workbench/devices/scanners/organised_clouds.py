@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from workbench.formats.clouds.scans import FEW, RANGE_FACTOR
+from workbench.formats.clouds.scans import RANGE_FACTOR, STRAY_SHARE
 from workbench.model.cell import ScannerMount
 from workbench.model.errors import LinkError
 from workbench.model.geometry import Floats
@@ -30,7 +30,9 @@ def scan_of(points: Floats, mount: ScannerMount, source: str, doubt: Message) ->
         raise LinkError(ScannerText.NOTHING_MEASURED(image=source))
     flat = flat[measured]
     away = np.linalg.norm(flat, axis=1)
-    nearest, farthest = (float(value) for value in np.quantile(away, (FEW, 1 - FEW)))
+    nearest, farthest = (
+        float(value) for value in np.quantile(away, (STRAY_SHARE, 1 - STRAY_SHARE))
+    )
     if nearest > mount.far * RANGE_FACTOR or farthest < mount.near / RANGE_FACTOR:
         raise LinkError(
             ScannerText.OUT_OF_RANGE(

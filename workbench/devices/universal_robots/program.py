@@ -26,7 +26,7 @@ from workbench.model.load import Load
 from workbench.model.plan import Leg, Plan
 from workbench.model.release import Approval
 
-DIGITS = 6
+ANGLE_DIGITS = 6
 """Decimals of angles, speeds and accelerations [rad]."""
 
 SHORTEST_WAY = 1e-9
@@ -195,20 +195,20 @@ def _moves(arm: Arm, leg: Leg, velocity: Floats, points: PointSpeeds | None) -> 
             v = min(v, far / max(points.share_along(before, after), SHORTEST_WAY))
         # No faster than the plan was timed: half the speed and a quarter of `a` take twice as long.
         slower = min(seconds_of(far, v, a) / seconds, 1.0)
-        axes = tuple(round(float(value), DIGITS) + 0.0 for value in arm.to_axes(after))
+        axes = tuple(round(float(value), ANGLE_DIGITS) + 0.0 for value in arm.to_axes(after))
         moves.append(Line("movej", (), axes, _below(a * slower**2), _below(v * slower)))
     return tuple(moves)
 
 
 def _write_line(line: Line) -> str:
-    axes = ", ".join(f"{value + 0.0:.{DIGITS}f}" for value in line.q)
+    axes = ", ".join(f"{value + 0.0:.{ANGLE_DIGITS}f}" for value in line.q)
     if line.name == "servoj":
         how = f"lookahead_time={line.lookahead:.3f}, gain={line.gain:.0f}"
         return f"  servoj([{axes}], t={line.t:.3f}, {how})"
-    speeds = f"a={line.a:.{DIGITS}f}, v={_below(line.v):.{DIGITS}f}"
+    speeds = f"a={line.a:.{ANGLE_DIGITS}f}, v={_below(line.v):.{ANGLE_DIGITS}f}"
     return f"  movej([{axes}], {speeds}{f', r={line.r:.4f}' if line.r else ''})"
 
 
 def _below(value: float) -> float:
     """Rounded down to what is written, and above zero."""
-    return max(math.floor(value * 10**DIGITS + 1e-6), 1) / 10**DIGITS
+    return max(math.floor(value * 10**ANGLE_DIGITS + 1e-6), 1) / 10**ANGLE_DIGITS

@@ -11,8 +11,8 @@ stream, as a user has measured (34 ms at 0.03 s and 1200: issue 86 of
 Universal_Robots_Client_Library).  To second order such an arm leaves the way by
 (lookahead^2 - 2 / gain) q'' / 2, next to nothing at 0.03 s and 2000, which the maker's own driver
 takes; degrees at twice or three times that lag.  So each leg is streamed so slowly that the arm
-stays within `CLOSE` of the proven curve by this reading.  It is no word of the maker: the link
-compares the joints that are reported with the curve all the time.
+stays within `FOLLOWS_WITHIN` of the proven curve by this reading.  It is no word of the maker: the
+link compares the joints that are reported with the curve all the time.
 """
 
 import math
@@ -35,7 +35,7 @@ PERIOD = 0.008
 SETTLED = 8
 """[lookaheads] So long the last reference is repeated: the arm stands before a gripper moves."""
 
-CLOSE = np.deg2rad(0.1)
+FOLLOWS_WITHIN = np.deg2rad(0.1)
 """[rad] A joint that follows may be this far from the way of its references."""
 
 SLOWER = 0.9
@@ -67,12 +67,13 @@ def references_of(cell: Cell, plan: Plan, arm: Arm, leg: Leg, servo: Servo) -> F
         references = [ride.q]
         while not ride.is_over:
             references.append(ride.go())
-        if _left_by(np.array(references), servo) <= CLOSE:
+        if _left_by(np.array(references), servo) <= FOLLOWS_WITHIN:
             return np.array(references)
         share *= SLOWER
     raise InputError(
         f"leg {leg.name}: with lookahead_s = {servo.lookahead:g} and gain = {servo.gain} the arm "
-        f"would leave its way by more than {np.rad2deg(CLOSE):.1f} degrees however slow it is"
+        f"would leave its way by more than {np.rad2deg(FOLLOWS_WITHIN):.1f} degrees however slow "
+        "it is"
     )
 
 

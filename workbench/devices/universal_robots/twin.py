@@ -34,7 +34,7 @@ POLL_EVERY = 0.05
 LONGEST_PROGRAM = 1 << 22
 """[bytes] Who says more before an end is not listened to."""
 
-KEPT = 100
+MOST_PROGRAMS = 100
 """So many of the programs that came are remembered."""
 
 FAULTS = ("protective-stop", "cut", "local", "brakes", "stray")
@@ -195,7 +195,7 @@ class SimulatedUr:
 
     def _begin(self, text: str) -> None:
         self.programs.append(text)
-        del self.programs[:-KEPT]
+        del self.programs[:-MOST_PROGRAMS]
         if self._record is not None:
             with self._record.open("a", encoding="utf-8") as file:
                 file.write(json.dumps({"program": text}) + "\n")

@@ -23,19 +23,19 @@ from workbench.plugins.progress import Report, never, silent
 from workbench.studies.bop.pose_errors import Shape, errors_by_name, pose_errors
 from workbench.studies.bop.precision import Estimate, Judged, detection_figures
 
-TRIES = 300
+PLANES_TRIED = 300
 """Planes through three points that are compared to find what things lie on."""
 
 MOST_POINTS = 20_000
 """Points by which they are compared."""
 
-GATE = 0.002
+PLANE_WITHIN = 0.002
 """How far a point of a plane may lie off it, over its distance from the camera."""
 
 MARGIN = 0.02
 """[m] Room around all that is seen."""
 
-HIGHEST = 0.8
+HIGHEST_SHARE = 0.8
 """Share of the way from what things lie on to the camera in which they are searched for."""
 
 
@@ -189,7 +189,7 @@ def place_of(points: Floats, seed: int) -> Bin:
     some = sampled(points, MOST_POINTS)
     generator = np.random.default_rng(seed)
     best, normal, offset = -np.inf, np.array([0.0, 0.0, -1.0]), float(some[:, 2].max())
-    for _ in range(TRIES):
+    for _ in range(PLANES_TRIED):
         a, b, c = some[generator.integers(len(some), size=3)]
         n = np.cross(b - a, c - a)
         length = float(np.linalg.norm(n))
@@ -197,12 +197,12 @@ def place_of(points: Floats, seed: int) -> Bin:
             continue
         n *= -np.sign(n @ a) / length  # towards the camera
         height = (some - a) @ n
-        gate = GATE * some[:, 2]
+        gate = PLANE_WITHIN * some[:, 2]
         count = np.count_nonzero(np.abs(height) < gate) - np.count_nonzero(height < -gate)
         if count > best:
             best, normal, offset = count, n, float(-n @ a)
     height = some @ normal + offset
-    on = np.abs(height) < GATE * some[:, 2]
+    on = np.abs(height) < PLANE_WITHIN * some[:, 2]
     if np.count_nonzero(on) >= 3:
         middle = some[on].mean(axis=0)
         fitted = np.linalg.svd(some[on] - middle, full_matrices=False)[2][2]
@@ -211,6 +211,6 @@ def place_of(points: Floats, seed: int) -> Bin:
     R = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), normal).matrix()
     flat = some @ R
     low, high = flat[:, :2].min(axis=0) - MARGIN, flat[:, :2].max(axis=0) + MARGIN
-    tall = min(float((some @ normal).max()) + offset + MARGIN, HIGHEST * offset)
+    tall = min(float((some @ normal).max()) + offset + MARGIN, HIGHEST_SHARE * offset)
     origin = R @ np.array([*(low + high) / 2, -offset])
     return Bin(pin.SE3(R, origin), np.array([*(high - low), max(tall, MARGIN)]))

@@ -29,7 +29,7 @@ from workbench.proof.claims.clearance import speed_message
 BROUGHT: Mapping[type[object], str] = {Scan: "scan", tuple: "parts", PlanResult: "plan"}
 """What a task brought, by the type of its result."""
 
-USUAL = (
+USUAL_COMMANDS = (
     GoOn,
     TakeScan,
     FindParts,
@@ -238,7 +238,7 @@ def _interventions(entries: list[Moment]) -> ReportTable:
     rows: list[tuple[str, ...]] = []
     for entry, state in entries:
         command = entry.command
-        by_person = entry.actor not in MACHINES and not isinstance(command, USUAL)
+        by_person = entry.actor not in MACHINES and not isinstance(command, USUAL_COMMANDS)
         faulty = state.phase is Phase.FAULT and isinstance(command, LinkEnded)
         if by_person or faulty:
             kind = "fault" if faulty else type(command).__name__

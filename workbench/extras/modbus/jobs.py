@@ -28,7 +28,13 @@ from workbench.app.core.cycle.sending import SendPlan, Stop
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.bench import Bench
-from workbench.extras.modbus.registers import ACTOR, HIGHEST, MAP_VERSION, Register, plan_words
+from workbench.extras.modbus.registers import (
+    ACTOR,
+    HIGHEST_VALUE,
+    MAP_VERSION,
+    Register,
+    plan_words,
+)
 from workbench.model.derived.by_view import views_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.robot import HOME
@@ -172,7 +178,7 @@ class Jobs:
 
     def __init__(self, bench: Bench) -> None:
         """Nothing was asked for; the session is drawn by lot."""
-        self.session = secrets.randbelow(HIGHEST) + 1
+        self.session = secrets.randbelow(HIGHEST_VALUE) + 1
         self.answered = Answered()
         self._given: tuple[int, ...] = ()
         self._bench, self._lock = bench, threading.Lock()
@@ -185,7 +191,7 @@ class Jobs:
         return {
             Register.VERSION: MAP_VERSION,
             Register.SESSION: self.session,
-            Register.LIFE: int(time.monotonic()) & HIGHEST,
+            Register.LIFE: int(time.monotonic()) & HIGHEST_VALUE,
             Register.COUNTER_ANSWERED: last.counter,
             Register.COMMAND_ANSWERED: last.command,
             Register.ANSWER: last.answer,
@@ -203,7 +209,7 @@ class Jobs:
             if words[Register.SESSION_MEANT] != self.session:
                 return False
             last = self.answered.counter
-            if counter != last % HIGHEST + 1:
+            if counter != last % HIGHEST_VALUE + 1:
                 # Two programs that count alike would each take the other's answer for theirs.
                 return counter == last and tuple(words) == self._given
             self._waits, self._given = None, tuple(words)

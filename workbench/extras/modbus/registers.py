@@ -19,7 +19,7 @@ WRITTEN = 5
 """Registers from 0 on that the PLC writes."""
 
 SIZE = 42
-HIGHEST = 65535
+HIGHEST_VALUE = 65535
 ACTOR = "modbus"
 """Who acts, as an operator; on record by this name."""
 
@@ -76,7 +76,7 @@ TASKS = ("scan", "localize", "plan")
 def plan_words(state: State) -> tuple[int, int]:
     """The first 32 bits of the plan's digest as two registers; 0, 0 without a plan."""
     number = 0 if state.plan is None else int(state.plan.digest[:8], 16)
-    return number >> 16, number & HIGHEST
+    return number >> 16, number & HIGHEST_VALUE
 
 
 def values_of(state: State, live: Live) -> dict[int, int]:
@@ -108,7 +108,7 @@ def values_of(state: State, live: Live) -> dict[int, int]:
         Register.PLAN_HIGH: high,
         Register.PLAN_LOW: low,
         Register.ENTRY_HIGH: state.number >> 16,
-        Register.ENTRY_LOW: state.number & HIGHEST,
+        Register.ENTRY_LOW: state.number & HIGHEST_VALUE,
         Register.BIN: _place(bins, state.cell.bin.name),
         Register.EMPTY_BINS: _bits(name in state.empty_bins for name in bins),
         Register.VIEW: _view_number(state.cell),
@@ -119,7 +119,7 @@ def values_of(state: State, live: Live) -> dict[int, int]:
         values[Register.NEXT_PART] = parts_taken(state.plans[0], state.plan)[0] + 1
         values[Register.NEXT_KIND] = _place(kinds, state.plan.detections[first.detection].part)
         values[Register.NEXT_PLACE] = _place_number(cell, first)
-    return {register: min(int(value), HIGHEST) for register, value in values.items()}
+    return {register: min(int(value), HIGHEST_VALUE) for register, value in values.items()}
 
 
 def _view_number(cell: Cell) -> int:

@@ -20,7 +20,7 @@ MOST_PIXELS = 2_000_000
 WINDOW = 2
 """[pixels] To each side: the plane whose normal a pixel has."""
 
-STEEPEST = 6.0
+EDGE_STEEPNESS = 6.0
 """Neighbouring pixels whose depths differ by more times their width lie on both sides of an edge,
 or one of them is measured wrongly."""
 
@@ -98,7 +98,7 @@ def depth_view(scan: Scan, bounds: Bounds) -> DepthView:
     camera = Pinhole(1.0 / step, -low / step, (int(rows), int(columns)))
     before = scan.points[scan.points[:, 2] > 0]
     column, row = camera.centre
-    steep = STEEPEST * step * distance
+    steep = EDGE_STEEPNESS * step * distance
     rays, depth = averaged(before, camera.rays(), camera.focal, column, row, steep)
     depth = _sure(depth, steep)
     normals = normals_of(rays, depth, WINDOW, steep)

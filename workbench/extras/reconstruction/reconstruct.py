@@ -32,7 +32,7 @@ NARROWEST_VOXEL = 0.0002
 TRUNCATION = 4.0
 """[voxels] Noise and errors of poses must be less, and walls thicker than half of it."""
 
-TOLERANCE = 0.0002
+SURFACE_TOLERANCE = 0.0002
 """[m] By so much the surface may change for the sake of fewer triangles."""
 
 LEAST_SHARED = 0.25
@@ -71,7 +71,7 @@ def reconstruct(
     bounds: Bounds,
     *,
     voxel: float | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float = SURFACE_TOLERANCE,
     refine: bool = True,
 ) -> Reconstruction:
     """Merge scans of one part, taken from known poses, into one closed surface.

@@ -19,7 +19,7 @@ LEAST_VALUE = 1e-3
 ROUGHEST = 16.0
 """Squared distances of planes, as multiples of the squared tolerance, that are tried first."""
 
-HALVINGS = 8
+MOST_HALVINGS = 8
 """How often a simplification that is too far off is tried again with half the distance."""
 
 
@@ -78,7 +78,7 @@ def simplified(surface: trimesh.Trimesh, tolerance: float) -> trimesh.Trimesh:
     )
     # Open3D weighs the squared distance to a plane by the area that it stands for.
     error = ROUGHEST * tolerance**2 * float(surface.area_faces.mean())
-    for _ in range(HALVINGS):
+    for _ in range(MOST_HALVINGS):
         fewer = full.simplify_quadric_decimation(4, maximum_error=error)
         tried = trimesh.Trimesh(np.asarray(fewer.vertices), np.asarray(fewer.triangles))
         if (

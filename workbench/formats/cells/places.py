@@ -30,7 +30,7 @@ ABOUT_PART = (
 )
 """What can be said only where the pose is that of the part."""
 
-LEVEL, SAME_HEIGHT = np.deg2rad(0.5), 0.05
+MOST_TILTED, SAME_HEIGHT = np.deg2rad(0.5), 0.05
 """[rad, m] How far a station may be tilted; stations farther apart in height are not compared."""
 
 FINEST_MM, FINEST_DEG = 1.0, 1.0
@@ -132,7 +132,7 @@ def read_stations(table: Table, fixtures: Sequence[Fixture]) -> tuple[Station, .
         size = station_table.numbers("size_mm", 2, low=10, high=5000) / 1000
         station = Station(name, read_pose(station_table), size, fixture)
         where.append(poses.get(fixture, pin.SE3.Identity()) * station.T_base_station)
-        if where[-1].rotation[2, 2] < np.cos(LEVEL):
+        if where[-1].rotation[2, 2] < np.cos(MOST_TILTED):
             raise station_table.error(
                 "rpy_deg", "does not lie level, so that parts would slide or roll off"
             )

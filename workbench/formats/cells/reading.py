@@ -56,7 +56,7 @@ MOST_APPROVERS = 4
 SPEED_KEYS = ("tcp_speed", "point_speed", "held_speed")
 """Largest speeds of a policy, which a file has in mm/s."""
 
-SIDES = {"right_tool", "left_tool"}
+SIDE_TOOLS = {"right_tool", "left_tool"}
 """The tools of a robot with two arms by their usual names, as an SRDF calls them."""
 
 
@@ -219,9 +219,9 @@ def _without_pairs(table: Table, robot: Robot, arms: tuple[Arm, ...]) -> Robot:
     srdf = table.path.parent / table.text("srdf")
     pairs = read_srdf(srdf)
     tools = {f"{arm.name}_tool" for arm in arms}
-    if tools <= SIDES:
+    if tools <= SIDE_TOOLS:
         # The SRDF of a robot with two arms also serves a cell with one of them.
-        tools = SIDES
+        tools = SIDE_TOOLS
     links = {link.name for link in robot.links} | {f"{arm.name}_scanner" for arm in arms}
     for pair in sorted(pairs):
         for name in pair:

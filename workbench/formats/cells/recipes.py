@@ -12,7 +12,7 @@ from workbench.model.derived.by_recipe import recipe_problem
 from workbench.model.part import DOWN
 from workbench.model.recipes.joint import Joint
 from workbench.model.recipes.kit import MOST_ITEMS, MOST_OF_ITEM, Insertion, KitItem
-from workbench.model.recipes.recipe import HIGHEST, MOST_RECIPES, Recipe
+from workbench.model.recipes.recipe import HIGHEST_NUMBER, MOST_RECIPES, Recipe
 
 LEAST_CLEARANCE_MM = 0.05
 """What is proven of two parts is exact to this."""
@@ -38,7 +38,7 @@ def read_recipes(table: Table) -> tuple[Recipe, ...]:
     for recipe in table.tables("recipe"):
         found.append(
             Recipe(
-                recipe.whole("number", low=1, high=HIGHEST),
+                recipe.whole("number", low=1, high=HIGHEST_NUMBER),
                 recipe.text("name"),
                 _names(recipe, "parts"),
                 _names(recipe, "grasps"),

@@ -47,7 +47,7 @@ between any two units."""
 PLY_TYPES = {"<f8": "double", "<i4": "int", "u1": "uchar"}
 """NumPy's types of the properties that are written, and PLY's names of them."""
 
-FEW = 0.05
+STRAY_SHARE = 0.05
 """Share of the points that may lie anywhere: stray ones say nothing about the unit."""
 
 KEY = "`unit` in [scanner] of the cell file"
@@ -94,7 +94,9 @@ def parse_scan(path: Path, content: bytes, mount: ScannerMount, *, key: str = KE
     scan = parse_cloud(path, content, mount.T_world_scanner, unit=mount.unit, key=key)
     scan = turned_to_camera(scan, mount.cloud_axes)
     away = np.linalg.norm(scan.points, axis=1)
-    nearest, farthest = (float(value) for value in np.quantile(away, (FEW, 1 - FEW)))
+    nearest, farthest = (
+        float(value) for value in np.quantile(away, (STRAY_SHARE, 1 - STRAY_SHARE))
+    )
     if nearest > mount.far * RANGE_FACTOR or farthest < mount.near / RANGE_FACTOR:
         raise FileError(
             path,
@@ -108,7 +110,7 @@ def parse_scan(path: Path, content: bytes, mount: ScannerMount, *, key: str = KE
                 units=UNITS,
             ),
         )
-    if before(scan) < FEW:
+    if before(scan) < STRAY_SHARE:
         raise FileError(path, FileProblem.BEHIND(axes=mount.cloud_axes, known=CLOUD_AXES))
     return scan
 

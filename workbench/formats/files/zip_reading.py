@@ -27,7 +27,7 @@ from workbench.formats.files.zip_frame import (
     name_problems,
 )
 
-LEVEL, LENGTHS_BEHIND = 0x6, 0x8
+PACKING_LEVEL, LENGTHS_BEHIND = 0x6, 0x8
 """Flags: how well it is packed; checksum and lengths stand behind the file."""
 
 LARGE_FIELD = 0x0001
@@ -44,7 +44,7 @@ SYSTEMS = {0, 3, 10, 11, 14, 19}
 """MS-DOS, Unix, Windows in its two numbers, its long names, macOS: names mean the same."""
 
 LENGTHS = b"PK\7\x08"
-FULL, FULL_LARGE = 2**16 - 1, 2**32 - 1
+FIELD_FULL, LARGE_FIELD_FULL = 2**16 - 1, 2**32 - 1
 LARGEST_DIRECTORY = 64 * 2**20
 DOS_FOLDER = 0x10
 
@@ -124,7 +124,10 @@ def _end(file: IO[bytes], length: int) -> tuple[int, int, int]:
         if not record.startswith(LARGE_END) or any(
             stated not in (expected, full)
             for stated, expected, full in zip(
-                fields, (count, size, start), (FULL, FULL_LARGE, FULL_LARGE), strict=True
+                fields,
+                (count, size, start),
+                (FIELD_FULL, LARGE_FIELD_FULL, LARGE_FIELD_FULL),
+                strict=True,
             )
         ):
             raise ValueError("its two ends do not agree")
@@ -150,7 +153,7 @@ def _entries(directory: bytes) -> Iterator[_Entry]:
         extra = directory[place - more : place]
         if place > len(directory) or comment or disk:
             raise ValueError("its directory is cut short, or has comments")
-        if version & 0xFF > LARGE_VERSION or flags & ~(LEVEL | LENGTHS_BEHIND | UTF_8):
+        if version & 0xFF > LARGE_VERSION or flags & ~(PACKING_LEVEL | LENGTHS_BEHIND | UTF_8):
             raise ValueError(f"{name!r} is encrypted, or packed in a way that is not read")
         _check_kind(name, method, made >> 8, outer)
         size, packed, at = _large(extra, size, packed, at)
@@ -177,11 +180,11 @@ def _large(extra: bytes, *stated: int) -> tuple[int, ...]:
         if kind != LARGE_FIELD and not TIMES_AND_OWNERS.fullmatch(field):
             raise ValueError(f"it has a field {kind:#06x} that is not read")
         found[kind] = field[4:]
-    count = stated.count(FULL_LARGE)
+    count = stated.count(LARGE_FIELD_FULL)
     if (LARGE_FIELD in found) != bool(count) or len(found.get(LARGE_FIELD, b"")) != 8 * count:
         raise ValueError("it has large numbers where none belong, or lacks them")
     numbers = iter(struct.unpack(f"<{count}Q", found.get(LARGE_FIELD, b"")))
-    return tuple(next(numbers) if number == FULL_LARGE else number for number in stated)
+    return tuple(next(numbers) if number == LARGE_FIELD_FULL else number for number in stated)
 
 
 def _member(file: IO[bytes], entry: _Entry) -> tuple[Member, bytes]:
@@ -196,7 +199,7 @@ def _member(file: IO[bytes], entry: _Entry) -> tuple[Member, bytes]:
         # Whoever reads from the front finds the end of what is packed by itself alone.
         if method == STORED:
             raise ValueError(f"{name!r} does not say how long it is")
-        form = "<4sL2Q" if FULL_LARGE in (size, packed) else "<4s3L"
+        form = "<4sL2Q" if LARGE_FIELD_FULL in (size, packed) else "<4s3L"
         try:
             behind = struct.pack(form, LENGTHS, *entry.fields[1:])
         except struct.error:

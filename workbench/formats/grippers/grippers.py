@@ -33,7 +33,7 @@ OPENINGS_TRIED = 33
 LEAST_MOTION = 1e-6
 """[m] A link whose points move less is of the body."""
 
-TOLERANCE, MOST_PIECES = 0.003, 8
+PIECE_TOLERANCE, MOST_PIECES = 0.003, 8
 """[m] By how much a convex piece of the body may be too large, and how many a mesh may have."""
 
 LIP, PRESS = 0.001, 0.003
@@ -58,7 +58,9 @@ def gripper_of(
     Raises:
         InputError: it has no solids, or does not move like a gripper with two fingers.
     """
-    robot, _ = simplify_robot(_without_coarse(found.robot), tolerance=TOLERANCE, most=MOST_PIECES)
+    robot, _ = simplify_robot(
+        _without_coarse(found.robot), tolerance=PIECE_TOLERANCE, most=MOST_PIECES
+    )
     leaders = [joint.name for joint in robot.joints if joint.kind != "fixed"]
     _check_followers(found.followers, name)
     if not leaders:

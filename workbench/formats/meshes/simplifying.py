@@ -14,7 +14,7 @@ from workbench.model.messages.files import FileProblem
 LARGE = 200_000
 """Triangles of a part; one with more is simplified."""
 
-FINEST = 2e-5
+FIRST_DEVIATION = 2e-5
 """[m] So far the surface may move at first; twice that until it has few enough triangles."""
 
 COARSEST = 0.004
@@ -42,9 +42,9 @@ def simplify_mesh(path: Path, mesh: Mesh) -> tuple[Mesh, str]:
     )
     if whole.status() != manifold3d.Error.NoError:
         raise FileError(path, FileProblem.EXPORT_OPEN(count=count, most=LARGE))
-    off = FINEST
+    off = FIRST_DEVIATION
     coarsest = COARSEST * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
-    while off <= max(coarsest, FINEST):
+    while off <= max(coarsest, FIRST_DEVIATION):
         fewer = whole.simplify(off).to_mesh64()
         if 4 <= len(fewer.tri_verts) <= LARGE:
             points = np.asarray(fewer.vert_properties)[:, :3]

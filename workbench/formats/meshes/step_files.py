@@ -32,7 +32,7 @@ SHAPE = re.compile(rb"=\s*\(?\s*(?:[A-Z_]*SHELL|[A-Z_]*BREP|TESSELLATED_[A-Z_]*)
 DOCUMENT = re.compile(rb"DOCUMENT_FILE\s*\(\s*'([^']+)'")
 """The name of another file, of which a part of an assembly is."""
 
-USUAL = 0.001
+USUAL_UNIT = 0.001
 """[m] The unit of a STEP file in which none is found, or several."""
 
 
@@ -43,10 +43,10 @@ def stated_unit(path: Path) -> float:
         named, prefixed = CONVERTED.search(entity), PREFIXED.search(entity)
         if named is not None:
             # The unit that it is converted from is an entity of its own, and used by nothing else.
-            return NAMED.get(named[1].upper(), USUAL)
+            return NAMED.get(named[1].upper(), USUAL_UNIT)
         if prefixed is not None:
-            found.add(PREFIXES.get(prefixed[1] or b"", USUAL))
-    return found.pop() if len(found) == 1 else USUAL
+            found.add(PREFIXES.get(prefixed[1] or b"", USUAL_UNIT))
+    return found.pop() if len(found) == 1 else USUAL_UNIT
 
 
 def converted_step(path: Path, target: Path) -> Path:

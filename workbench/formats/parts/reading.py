@@ -39,7 +39,7 @@ MOST_PIECES = 128
 MOST_GROUPS, GROUPED = 16, 10
 """More pieces than these are put into groups, which may be this many times as much too large."""
 
-TOLERANCE, TOLERANCE_SHARE = 0.0005, 0.005
+BODY_TOLERANCE, BODY_TOLERANCE_SHARE = 0.0005, 0.005
 """[m] By which they may be larger than the mesh; the share is that of its longest side."""
 
 MOST_GRASPS = 10_000
@@ -122,7 +122,7 @@ def read_part(name: str | Path, shape: tuple[float, float] | None = None) -> Par
 
 def tolerance_of(mesh: Mesh) -> float:
     """By how much [m] convex pieces of a mesh may be larger, where its part says nothing of it."""
-    return max(TOLERANCE, TOLERANCE_SHARE * float(np.ptp(mesh.points, axis=0).max()))
+    return max(BODY_TOLERANCE, BODY_TOLERANCE_SHARE * float(np.ptp(mesh.points, axis=0).max()))
 
 
 def _pieces(table: Table, mesh: Mesh, tolerance: float) -> tuple[Solid, ...]:

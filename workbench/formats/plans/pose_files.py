@@ -26,7 +26,7 @@ FARTHEST_PART = 20.0
 EXACT = 1e-6
 """A rotation matrix this close to one is kept digit by digit, so that digests survive a file."""
 
-WIDEST = 1e6
+LARGEST_COVARIANCE = 1e6
 """[m2, rad2] Of numbers in a covariance: whoever writes more has made a slip."""
 
 LONGEST_NAME = 200
@@ -138,8 +138,10 @@ def name_in(table: Table, key: str) -> str:
 def _placing(table: Table) -> PlacingError:
     error = table.table("placing")
     read = PlacingError(error.rows("by_scanner", 6), _covariance(error))
-    if read.by_scanner.shape != (6, 6) or np.abs(read.by_scanner).max() > WIDEST:
-        raise error.error("by_scanner", f"is not six rows of six, at most {WIDEST:g} each")
+    if read.by_scanner.shape != (6, 6) or np.abs(read.by_scanner).max() > LARGEST_COVARIANCE:
+        raise error.error(
+            "by_scanner", f"is not six rows of six, at most {LARGEST_COVARIANCE:g} each"
+        )
     error.finish()
     return read
 
@@ -147,8 +149,10 @@ def _placing(table: Table) -> PlacingError:
 def _covariance(table: Table) -> Floats:
     """Six rows of six numbers [m, rad] that can be a covariance."""
     rows = table.rows("covariance", 6)
-    if np.abs(rows).max(initial=0.0) > WIDEST:
-        raise table.error("covariance", f"reaches {np.abs(rows).max():.3g}, at most {WIDEST:g}")
+    if np.abs(rows).max(initial=0.0) > LARGEST_COVARIANCE:
+        raise table.error(
+            "covariance", f"reaches {np.abs(rows).max():.3g}, at most {LARGEST_COVARIANCE:g}"
+        )
     small = 1e-9 * float(np.abs(rows).max(initial=0.0))
     is_one = rows.shape == (6, 6) and np.abs(rows - rows.T).max() <= small
     if not is_one or np.linalg.eigvalsh(rows).min() < -small:

@@ -28,7 +28,7 @@ DAMPING = 1e-6
 LONGEST_STEP = 0.3
 """[rad, m] Of any joint in one step of a search."""
 
-DIGITS = 3
+DEGREE_DIGITS = 3
 """Of a degree: the view is the same on every processor."""
 
 MOST_VIEWS = 16
@@ -120,7 +120,7 @@ def _read_view(
             "position_mm",
             f"the view is out of reach of arm {arm.name}, {away * 1000:.0f} mm at best",
         )
-    return ScanPosture(name, np.deg2rad(np.round(np.rad2deg(q), DIGITS)), bin, number)
+    return ScanPosture(name, np.deg2rad(np.round(np.rad2deg(q), DEGREE_DIGITS)), bin, number)
 
 
 def _find_posture(robot: Robot, arm: Arm, T_robot_flange: pin.SE3) -> tuple[Floats | None, float]:

@@ -21,7 +21,7 @@ JOINT_KINDS: dict[str, JointKind] = {
     "prismatic": "prismatic",
     "fixed": "fixed",
 }
-LOOSE = ("floating", "planar")
+FREE_KINDS = ("floating", "planar")
 """Of joints that no motor turns: what hangs on them stands where it is."""
 
 WIDEST_TURN = 4 * math.pi
@@ -66,7 +66,7 @@ def read_joint(
     name, declared = element.text("name"), element.text("type")
     if declared not in JOINT_KINDS:
         error = element.error(f"type={quote(declared)} is not one of {', '.join(JOINT_KINDS)}")
-        if declared not in LOOSE:
+        if declared not in FREE_KINDS:
             raise error
         remarks.pass_over(error, "stands still")
         declared = "fixed"

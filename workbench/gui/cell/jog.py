@@ -12,13 +12,13 @@ from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import Chain, is_solution
 
-TRIES = 12
+IK_STARTS = 12
 """Starting points of the inverse kinematics beside the configuration at hand."""
 
 SEARCHED_WITHIN = 0.3
 """[rad] How far they lie from it at most."""
 
-SHOWN = 0.1
+SHOWN_WITHIN = 0.1
 """[m] Pairs further apart than this need not be reported."""
 
 
@@ -46,14 +46,14 @@ class JogFinder:
         meets = tuple(
             touch for contact in contacts for touch in world.place_shapes(whole, contact.pair)
         )
-        clearance, pair = world.clearance(whole, SHOWN)
+        clearance, pair = world.clearance(whole, SHOWN_WITHIN)
         return Jogged(dict(q), contacts, clearance, pair, meets)
 
 
 def lead_to(chain: Chain, q: Floats, T_world_tcp: pin.SE3) -> Floats | None:
     """The configuration (n,) [rad] nearest to `q` with the tool at a pose; None out of reach."""
     rng = np.random.default_rng(0)
-    near = q + rng.uniform(-SEARCHED_WITHIN, SEARCHED_WITHIN, (TRIES, len(q)))
+    near = q + rng.uniform(-SEARCHED_WITHIN, SEARCHED_WITHIN, (IK_STARTS, len(q)))
     answers, residuals = chain.solve(T_world_tcp, np.vstack([q, near]))
     found = answers[is_solution(residuals)]
     if not len(found):

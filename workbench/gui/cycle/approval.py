@@ -18,7 +18,7 @@ from workbench.gui.texts.approval import ApprovalText
 from workbench.model.release import AS_PLANNED, Manner, manner_words
 from workbench.words.words import Words
 
-SHARES = (1.0, 0.5, 0.25, 0.1)
+SPEED_SHARES = (1.0, 0.5, 0.25, 0.1)
 """Of the planned speed, that are offered."""
 
 VOTE_ROW_MARK = '<div class="wb-buttons wb-vote"></div>'
@@ -74,7 +74,7 @@ class ApprovalDialog:
         gui, motion = self._visitor.gui, state.cell.controller.motion
         votes = standing_votes(state, time.time())
         manner = votes[-1].manner if votes else AS_PLANNED
-        shares = SHARES if motion.takes_share else SHARES[:1]
+        shares = SPEED_SHARES if motion.takes_share else SPEED_SHARES[:1]
         shares = (*shares, manner[0]) if manner[0] not in shares else shares
         speed = gui.add_dropdown(
             "Speed",

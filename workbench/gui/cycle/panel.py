@@ -59,7 +59,7 @@ from workbench.model.messages.commands import EditText
 from workbench.model.messages.refusals import Refusal
 from workbench.model.scan import ALL_KINDS
 
-ROW = '<div class="wb-row"></div>'
+THREE_COLUMNS_MARK = '<div class="wb-row"></div>'
 """A mark that has its folder laid out in three columns, see the style sheet."""
 
 STAYS = '<div class="wb-stays"></div>'
@@ -77,9 +77,9 @@ class CyclePanel:
         self._add_parts(gui)
         self._add_plan(gui)
         self._add_sending(gui)
-        self._outcomes = OutcomeInputs(visitor, ROW)
+        self._outcomes = OutcomeInputs(visitor, THREE_COLUMNS_MARK)
         with group(gui, "How it is planned", expand_by_default=False):
-            gui.add_html(ROW)
+            gui.add_html(THREE_COLUMNS_MARK)
             self._overrides = OverridesInputs(gui, visitor.cell.policy)
         self._dialog = ApprovalDialog(visitor)
         self._react()
@@ -89,7 +89,7 @@ class CyclePanel:
             self._recipe = RecipeInput(self._visitor, self._follow_recipe)
             self._bin = BinInput(self._visitor)
             self._kit = KitInputs(self._visitor)
-            gui.add_html(ROW)
+            gui.add_html(THREE_COLUMNS_MARK)
             parts, seed = self._visitor.look.now.scan_asked
             self._kind = gui.add_dropdown(
                 "Which part", _kinds(self._visitor.cell), hint="Falls into the simulated bin."
@@ -127,7 +127,7 @@ class CyclePanel:
 
     def _add_parts(self, gui: viser.GuiApi) -> None:
         with group(gui, "2 · Find parts"):
-            gui.add_html(ROW)
+            gui.add_html(THREE_COLUMNS_MARK)
             self._parts_line = gui.add_html("")
             self._find = gui.add_button("Find parts", icon=viser.Icon.SEARCH)
             self._wrong: tuple[str, ...] = ()
@@ -143,7 +143,7 @@ class CyclePanel:
 
     def _add_plan(self, gui: viser.GuiApi) -> None:
         with group(gui, "3 · Plan"):
-            gui.add_html(ROW)
+            gui.add_html(THREE_COLUMNS_MARK)
             self._strategies = strategy_words(self._visitor.cell)
             self._strategy = gui.add_dropdown(
                 "Strategy", tuple(self._strategies), hint=strategy_hint(self._visitor.cell)
@@ -161,7 +161,7 @@ class CyclePanel:
 
     def _add_sending(self, gui: viser.GuiApi) -> None:
         with group(gui, "4 · Approve, 5 · Send to the robot") as sending:
-            gui.add_html(ROW)
+            gui.add_html(THREE_COLUMNS_MARK)
             gui.add_html(STAYS)
             self._approval_line = gui.add_html("")
             self._watched_line = gui.add_html("")

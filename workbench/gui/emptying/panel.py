@@ -34,7 +34,7 @@ from workbench.model.cell import Cell
 from workbench.model.prediction import CHANGE_KINDS, Emptying, Seen
 from workbench.model.scan import ALL_KINDS
 
-ROW = '<div class="wb-row"></div>'
+THREE_COLUMNS_MARK = '<div class="wb-row"></div>'
 """A mark that has its folder laid out in three columns, see the style sheet."""
 
 POSES: dict[str, Seen] = {"true poses": "truth", "simulated scans": "scan"}
@@ -59,7 +59,7 @@ class EmptyingPanel:
         self._drawn: tuple[Any, ...] = ()
         gui = visitor.gui
         with group(gui, "Piles to empty"):
-            gui.add_html(ROW)
+            gui.add_html(THREE_COLUMNS_MARK)
             self._kind = gui.add_dropdown(
                 "Which part", _kinds(visitor.cell), hint="Falls into the simulated bin."
             )

@@ -23,7 +23,7 @@ from workbench.model.messages.message import FoundPart, Message, plain
 from workbench.model.plan import LegName
 from workbench.planning.kinematics.robot import Kinematics
 
-LOOK = 0.5
+LOOK_SHOWN_FOR = 0.5
 """[s] That a look into the bin is shown, before each plan and after the last."""
 
 FAILED = {
@@ -57,13 +57,15 @@ class Reel:
 def reel_of(film: Film) -> Reel:
     """A film laid on one clock."""
     runs = [timeline(shot.plan) for shot in film.shots]
-    lengths = [LOOK + max((run.end for run in shot_runs), default=0.0) for shot_runs in runs]
+    lengths = [
+        LOOK_SHOWN_FOR + max((run.end for run in shot_runs), default=0.0) for shot_runs in runs
+    ]
     ends = tuple(accumulate(lengths))
     stretches = tuple(
         ReelStretch(shot, shot_runs, end - length, end)
         for shot, shot_runs, length, end in zip(film.shots, runs, lengths, ends, strict=True)
     )
-    return Reel(film, stretches, (ends[-1] if ends else 0.0) + LOOK)
+    return Reel(film, stretches, (ends[-1] if ends else 0.0) + LOOK_SHOWN_FOR)
 
 
 class Projector:
@@ -104,7 +106,7 @@ def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) 
         )
         return FilmMoment(moments(cell, (), 0.0), left, _end(film))
     stretch = reel.stretches[number]
-    now = time - stretch.start - LOOK
+    now = time - stretch.start - LOOK_SHOWN_FOR
     poses = _parts(cell, kinematics, stretch, now)
     kinds = dict(film.fallen)
     parts = tuple(FilmPart(k, kinds[k].part, T) for k, T in sorted(poses.items()))

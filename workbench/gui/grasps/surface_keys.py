@@ -13,7 +13,7 @@ from workbench.gui.texts.grasps import GraspText
 from workbench.model.geometry import Floats, Mesh
 from workbench.model.part import Part
 from workbench.planning.grasps.grasp_frames import outward_normal
-from workbench.planning.grasps.part_rays import NOTHING, first_hits
+from workbench.planning.grasps.part_rays import NO_TRIANGLE, first_hits
 
 KEY_STEP, FINE_KEY_STEP = 0.002, 0.0002
 """[m] Steps of the arrow keys, and those with Shift, across what is seen."""
@@ -103,6 +103,6 @@ def seen_at(mesh: Mesh, eye: Floats, aim: Floats) -> Met | None:
     if far == 0.0:
         return None
     distances, met = first_hits(mesh, eye[None], (ray / far)[None])
-    if met[0] == NOTHING:
+    if met[0] == NO_TRIANGLE:
         return None
     return eye + distances[0] / far * ray, outward_normal(mesh, int(met[0]))

@@ -10,7 +10,7 @@ from workbench.app.runtime.bench import Bench
 LOCK = "numba:compiler_lock"
 """What numba is about to take when something has to be compiled or loaded."""
 
-LOOK = 0.1
+POLL_EVERY = 0.1
 """[s] Between two looks at whether the worker is ready."""
 
 
@@ -40,7 +40,7 @@ class Patience(event.Listener):
         """Wait."""
         if threading.current_thread().name == "renderer":
             return
-        while self._bench.live.getting_ready is not None and not self._closed.wait(LOOK):
+        while self._bench.live.getting_ready is not None and not self._closed.wait(POLL_EVERY):
             pass
 
     def on_end(self, event: event.Event) -> None:

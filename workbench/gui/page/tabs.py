@@ -26,7 +26,7 @@ from workbench.gui.statistics.panel import StatisticsPanel
 from workbench.gui.texts.page import PageText
 from workbench.model.messages.message import plain
 from workbench.plugins.found import load
-from workbench.plugins.tab import GROUP as TABS
+from workbench.plugins.tab import ENTRY_POINTS as TABS
 from workbench.plugins.tab import tab_names
 
 log = logging.getLogger(__name__)

@@ -27,7 +27,7 @@ from workbench.model.plan import Proof
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 from workbench.words.words import IN_ENGLISH, Words
 
-SHARES: Mapping[str, float] = {
+COLOUR_SHARES: Mapping[str, float] = {
     "reach": 0.4,
     "approach": 0.75,
     "extract": 1.0,
@@ -59,7 +59,7 @@ def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float, words: Words =
     lanes = [_syncs(syncs, seconds, words)] if syncs else []
     lanes += _tracks(cell, runs, seconds, words)
     used = {run.words for run in runs}
-    legend = "".join(_legend(cell, name) for name in SHARES if name in used)
+    legend = "".join(_legend(cell, name) for name in COLOUR_SHARES if name in used)
     legend += '<span class="wb-leg"><i style="background:var(--wb-faint)"></i>waiting</span>'
     table = _sync_table(syncs, words) if syncs else ""
     return (
@@ -76,7 +76,7 @@ def bands_html(cell: Cell, runs: tuple[Run, ...], seconds: float, words: Words =
 
 def leg_colour(arm: int, leg: str) -> str:
     """The colour of a leg, by its name on the page, of the arm at that place in the cell."""
-    share = SHARES[leg]
+    share = COLOUR_SHARES[leg]
     channels = bytes.fromhex(arm_colour(arm)[1:])
     return "#" + "".join(f"{round(255 + (c - 255) * share):02x}" for c in channels)
 

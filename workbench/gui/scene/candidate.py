@@ -20,7 +20,7 @@ from workbench.planning.kinematics.robot import Kinematics
 STROKE = 0.03
 """Length of the drawn end of an approach [m]."""
 
-ABOVE = 0.17
+LABEL_HEIGHT = 0.17
 """[m] The label stands this far above the tool's tip, clear of the hand."""
 
 
@@ -107,7 +107,7 @@ class DrawnCandidates:
         self._scene.add_label(
             "/candidate/label",
             candidate_label(candidate),
-            position=ABOVE * T_world_tcp.rotation[2],
+            position=LABEL_HEIGHT * T_world_tcp.rotation[2],
             font_screen_scale=0.8,
             anchor="bottom-center",
         )

@@ -9,7 +9,7 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats
 from workbench.model.scan import Detection, Obstacle
 
-SLACK = 1e-6
+ROUNDING = 1e-6
 """[m] Rounding, by which a point on the face of a box may lie outside of it."""
 
 GRID = 2.0**-12
@@ -97,7 +97,7 @@ def in_boxes(points: Floats, obstacles: tuple[Obstacle, ...]) -> Bools:
     for obstacle in obstacles:
         T = obstacle.T_world_box.inverse()
         away = np.abs(points @ T.rotation.T + T.translation) - obstacle.size / 2
-        inside |= np.all(away <= SLACK, axis=1)
+        inside |= np.all(away <= ROUNDING, axis=1)
     return inside
 
 

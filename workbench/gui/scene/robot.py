@@ -19,7 +19,7 @@ ROBOT, PLANNED, ROBOT_CHECKED = "/robot", "/planned", "/robot_checked"
 LIGHTNESS = (0.299, 0.587, 0.114)
 """What red, green and blue add to how light a colour is."""
 
-KEPT = 0.25
+LIGHTNESS_SHARE = 0.25
 """So much of the differences in lightness stays in a robot without its colours."""
 
 
@@ -152,7 +152,9 @@ def add_solids(
 def drain_colour(colour: Colour) -> Colour:
     """A grey for a colour of what nobody reports: what is lighter stays a little lighter."""
     lightness = float(np.dot(colour, LIGHTNESS))
-    red, green, blue = (round(channel + KEPT * (lightness - channel)) for channel in NOT_REPORTED)
+    red, green, blue = (
+        round(channel + LIGHTNESS_SHARE * (lightness - channel)) for channel in NOT_REPORTED
+    )
     return red, green, blue
 
 

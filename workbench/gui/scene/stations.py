@@ -20,7 +20,7 @@ from workbench.model.geometry import Floats, frozen
 from workbench.model.part import Bin, Region, Station
 from workbench.model.scan import Detection
 
-ABOVE = 0.0003
+MARK_HEIGHT = 0.0003
 """[m] A mark lies so much above the surface that it marks."""
 
 SAME_PART_WITHIN = 0.001
@@ -36,9 +36,9 @@ def add_stations(scene: viser.SceneApi, cell: Cell) -> None:
         scene.add_box(
             f"{name}/surface",
             STATION,
-            dimensions=(length, width, ABOVE),
+            dimensions=(length, width, MARK_HEIGHT),
             opacity=0.5,
-            position=(0.0, 0.0, ABOVE / 2),
+            position=(0.0, 0.0, MARK_HEIGHT / 2),
         )
         add_lines(scene, f"{name}/edge", edge_of(station), STATION, 2.5)
         scene.add_label(
@@ -79,7 +79,7 @@ def edge_of(station: Station) -> Floats:
     """The border of a station's surface as lines (4, 2, 3) [m] in its own frame."""
     half = np.asarray(station.size) / 2
     corners = np.array([[x, y] for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))]) * half
-    points = np.column_stack([corners, np.full(4, 2 * ABOVE)])
+    points = np.column_stack([corners, np.full(4, 2 * MARK_HEIGHT)])
     return frozen(np.stack([points, np.roll(points, -1, axis=0)], axis=1))
 
 

@@ -60,7 +60,16 @@ JOINTS = ("#1c7ed6", "#e8590c", "#2f9e44", "#ae3ec9", "#0ca678", "#f08c00", "#e6
 ARMS = ("#1971c2", "#c2255c")
 """By place in the cell: first and second arm."""
 
-PARTS = ("#f59f00", "#12b886", "#5c7cfa", "#ff6b6b", "#9775fa", "#94d82d", "#22b8cf", "#f783ac")
+PART_COLOURS = (
+    "#f59f00",
+    "#12b886",
+    "#5c7cfa",
+    "#ff6b6b",
+    "#9775fa",
+    "#94d82d",
+    "#22b8cf",
+    "#f783ac",
+)
 """By place among the detections, over again after the last."""
 
 HEIGHTS = ((62, 74, 137), (38, 130, 142), (80, 180, 120), (250, 205, 70))
@@ -111,7 +120,7 @@ def badge(colour: str, text: str) -> str:
 
 def part_colour(index: int) -> str:
     """The colour of the detection with that index."""
-    return PARTS[index % len(PARTS)]
+    return PART_COLOURS[index % len(PART_COLOURS)]
 
 
 def arm_colour(index: int) -> str:

@@ -11,7 +11,7 @@ from workbench.model.messages.message import Message
 from workbench.model.recipes.kit import Insertion, KitItem
 from workbench.model.recipes.recipe import Recipe
 
-LEVEL = 0.01
+LEAST_RISE = 0.01
 """An insertion that rises by less than this share of its length comes from the side."""
 
 OUTSIDE = 0.005
@@ -69,7 +69,7 @@ def _stand_problem(cell: Cell, recipe: Recipe, item: KitItem) -> Message | None:
     poses = list(_poses(cell, recipe, insertion.base))
     if not poses:
         return AssemblyText.NO_PLACE(base=insertion.base)
-    if any((R @ insertion.along)[2] > LEVEL for R in (T.rotation for T in poses)):
+    if any((R @ insertion.along)[2] > LEAST_RISE for R in (T.rotation for T in poses)):
         return AssemblyText.FROM_BELOW(part=item.part, base=insertion.base)
     return _joint_problem(cell, item.part, insertion)
 

@@ -10,7 +10,7 @@ NO_RECIPE = 0
 
 MOST_RECIPES = 100
 
-HIGHEST = 65_535
+HIGHEST_NUMBER = 65_535
 """The largest number of a recipe: a PLC holds it in a word."""
 
 
@@ -18,7 +18,7 @@ HIGHEST = 65_535
 class Recipe:
     """What a cell picks, how, and to where; what is empty or None is as the cell has it.
 
-    `number` is from 1 to `HIGHEST`.  `parts` are the kinds that are searched for and taken.
+    `number` is from 1 to `HIGHEST_NUMBER`.  `parts` are the kinds that are searched for and taken.
     `grasps` are names of entries of their libraries, and `places` names of the arms' places.  A
     planning for which nobody names a strategy takes `strategy`.  `threshold` [m] and `speed`, a
     share of the joints' speeds, replace those of the policy.

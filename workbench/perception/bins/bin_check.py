@@ -50,14 +50,14 @@ place must show more of it than where the bin should be."""
 MOVED_DISTANCE, MOVED_TURN = 0.003, np.deg2rad(1.0)
 """[m, rad] More than this the bin is somewhere else."""
 
-OVER, FULL = 0.01, 0.5
+OVER_RIM, FULL_SHARE = 0.01, 0.5
 """[m, share] What is further above the rim is told; from this share of its room on the bin is too
 full then.  Below that a part stands upright, or leans on a wall."""
 
 EMPTY = 0.004
 """Share of the floor that may be covered in an empty bin: noise."""
 
-WHOLE = 0.95
+WHOLE_FLOOR = 0.95
 """Where less than this share of the floor is seen, it is said how much."""
 
 
@@ -77,7 +77,7 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     if T is None:
         above = filled(p_bin, bin, as_in_cell()).above
         finding = BinText.NO_RIM(reach=SEARCHED_AROUND)
-        if above > OVER:
+        if above > OVER_RIM:
             finding = BinText.RIM_COVERED(reach=SEARCHED_AROUND, above=above)
         return BinCheck(None, 0.0, 0.0, None, above, "bad", (finding,))
     shift, turn = shift_and_turn(T)
@@ -89,7 +89,7 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     findings: list[Message] = []
     if _is_too_full(fill, above):
         findings.append(BinText.TOO_FULL(above=above))
-    elif above > OVER:
+    elif above > OVER_RIM:
         findings.append(BinText.STANDS_OUT(above=above))
     if is_elsewhere:
         x, y, z = (f"{value:+.1f}" for value in np.round(T.translation * 1000, 1) + 0.0)
@@ -123,7 +123,7 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
     findings: list[Message] = []
     if _is_too_full(fill, above):
         findings.append(BinText.OVERFILLED(above=above, height=height))
-    elif above > OVER:
+    elif above > OVER_RIM:
         findings.append(BinText.STANDS_TOO_HIGH(above=above, height=height))
     if not seen.is_floor_seen:
         findings.append(BinText.NO_SURFACE(reach=SEARCHED_WITHIN))
@@ -159,7 +159,7 @@ def _is_empty(filling: Filling, findings: list[Message]) -> bool:
     if filling.is_flat_seen:
         findings.append(BinText.ONLY_FLAT(low=LOW))
         return False
-    if filling.seen < WHOLE:
+    if filling.seen < WHOLE_FLOOR:
         findings.append(BinText.EMPTY_AS_SEEN(lowest=filling.lowest, seen=filling.seen))
     else:
         findings.append(BinText.EMPTY(lowest=filling.lowest))
@@ -167,7 +167,7 @@ def _is_empty(filling: Filling, findings: list[Message]) -> bool:
 
 
 def _is_too_full(fill: float | None, above: float) -> bool:
-    return above > OVER and (fill is None or fill >= FULL)
+    return above > OVER_RIM and (fill is None or fill >= FULL_SHARE)
 
 
 def rim_place(p_bin: Floats, bin: Bin) -> pin.SE3 | None:

@@ -15,10 +15,10 @@ from numba import njit
 from workbench.model.geometry import Floats, frozen, put, sampled
 from workbench.model.part import Bin
 
-SEARCHED_WITHIN, STEEPEST = 0.008, float(np.deg2rad(2.0))
+SEARCHED_WITHIN, MOST_TILTED = 0.008, float(np.deg2rad(2.0))
 """[m, rad] Floor and walls are searched for this near to where the cell has them."""
 
-GATE, GATE_OVER_NOISE = 0.002, 4.0
+SURFACE_WITHIN, SURFACE_DEVIATIONS = 0.002, 4.0
 """[m] A point this near to a surface belongs to it, or this many deviations of the noise."""
 
 BEHIND = 5.0
@@ -34,7 +34,7 @@ OFFSET_STEP, TILT_STEP = 0.001, float(np.deg2rad(0.5))
 FITS = 8
 """Steps of the fit, each with weights from the one before (Tukey's)."""
 
-FLAT, BENT = 0.001, 0.002
+AGAINST_TILT, AGAINST_BEND = 0.001, 0.002
 """Share of all points that speaks for a surface as in the cell: against a tilt, and a bend.  What
 is seen in a corner only is not continued steeply."""
 
@@ -60,7 +60,7 @@ OPEN = 1e3
 CORNER = 0.006
 """[m] Nearer than this to where floor and walls meet, scanners smooth them into each other."""
 
-FINEST = 1e-6
+ROUNDED_TO = 1e-6
 """[m] Results are rounded to this, so that they are the same on any machine."""
 
 
@@ -110,8 +110,8 @@ def fit_bin(points: Floats, T_bin_points: pin.SE3, bin: Bin, *, noise: float) ->
         bin: its size, and the frame in which it is searched for.
         noise: [m] deviation of the points as far as it is known.
     """
-    gate = max(GATE, GATE_OVER_NOISE * noise)
-    slack = SEARCHED_WITHIN + np.tan(STEEPEST) * float(np.linalg.norm(bin.size)) / 2 + gate
+    gate = max(SURFACE_WITHIN, SURFACE_DEVIATIONS * noise)
+    slack = SEARCHED_WITHIN + np.tan(MOST_TILTED) * float(np.linalg.norm(bin.size)) / 2 + gate
     reach = np.array([*(bin.size[:2] / 2 + slack), bin.size[2]])
     near = _near(points, np.ascontiguousarray(T_bin_points.homogeneous), reach, -slack)
     floor, share, deviation = _floor(near, bin.size, gate, slack)
@@ -157,7 +157,7 @@ def _floor(near: Floats, size: Floats, gate: float, slack: float) -> tuple[Float
     points = sampled(near[(x < inner[0]) & (y < inner[1]) & (z < slack)], MOST_FITTED)
     u, v = (2 * points[:, :2] / size[:2]).T
     rows = _quadratic(u, v)
-    tilts = np.tan(STEEPEST) * size[:2] / 2
+    tilts = np.tan(MOST_TILTED) * size[:2] / 2
     found = _fit(rows, points[:, 2], tilts, gate, 3)
     if found is None:
         return np.zeros(6), 0.0, 0.0
@@ -188,7 +188,7 @@ def _wall(
     )
     values = sampled(np.column_stack([out, along, height / size[2]])[there], MOST_FITTED)
     rows = np.column_stack([np.ones(len(values)), values[:, 1], values[:, 2]])
-    tilts = np.tan(STEEPEST) * np.array([size[1 - across] / 2, size[2]])
+    tilts = np.tan(MOST_TILTED) * np.array([size[1 - across] / 2, size[2]])
     # What lies outside of a wall is behind it: the same as below the floor, upside down.
     found = _fit(rows, -values[:, 0], tilts, gate, 3)
     if found is None:
@@ -203,7 +203,7 @@ def _quadratic(u: Floats, v: Floats) -> Floats:
 
 
 def _round(values: Floats) -> Floats:
-    return np.round(values / FINEST) * FINEST + 0.0
+    return np.round(values / ROUNDED_TO) * ROUNDED_TO + 0.0
 
 
 def _share(u: Floats, v: Floats, on: np.ndarray) -> float:
@@ -233,7 +233,7 @@ def _fit(rows: Floats, values: Floats, tilts: Floats, gate: float, linear: int) 
     values = np.ascontiguousarray(values)
     step = max(1, -(-len(values) // MOST_SEARCHED))
     offsets = np.arange(-SEARCHED_WITHIN, SEARCHED_WITHIN + 1e-9, OFFSET_STEP)
-    count = round(STEEPEST / TILT_STEP)
+    count = round(MOST_TILTED / TILT_STEP)
     steps = np.arange(-count, count + 1) / count
     best = _search(
         np.ascontiguousarray(rows[::step, :linear]), values[::step].copy(), offsets,
@@ -241,7 +241,11 @@ def _fit(rows: Floats, values: Floats, tilts: Floats, gate: float, linear: int) 
     )  # fmt: skip
     found = np.zeros(rows.shape[1])
     found[:linear] = best
-    hold = np.array([0.0, FLAT, FLAT, BENT, BENT, BENT]) * len(values) + 1e-9
+    hold = (
+        np.array([0.0, AGAINST_TILT, AGAINST_TILT, AGAINST_BEND, AGAINST_BEND, AGAINST_BEND])
+        * len(values)
+        + 1e-9
+    )
     for number in range(FITS):
         k = linear if number < 2 else rows.shape[1]
         sums, pulls = _weigh(rows, values, found, k, gate)

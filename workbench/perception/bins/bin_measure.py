@@ -16,17 +16,17 @@ from workbench.perception.bins.floor_search import find_floor
 MOST_POINTS = 30_000
 """Points that are checked; of more every second, third, ..."""
 
-LOWEST, HIGHEST = 0.015, 0.8
+LOWEST_RIM, HIGHEST_RIM = 0.015, 0.8
 """[m] Heights of a rim over the floor."""
 
-LEVEL, RING_SPACING = 0.004, 0.002
+RING_HALF_HEIGHT, RING_SPACING = 0.004, 0.002
 """[m] Half the height of a ring, and the distance of the rings that are tried."""
 
 WALL_WITHIN, PIECE = 0.01, 0.01
 """[m] Points this near to a side of the ring's rectangle are of its walls: those of cartons are
 bent.  Sides are divided in pieces of this length, each shown or not."""
 
-SHOWN, LEAST_SHOWN = 0.6, 0.5
+SHOWN_SHARE, SHOWN_A_SIDE = 0.6, 0.5
 """Share of a ring that is shown at least, and of each of its sides but one."""
 
 HOLLOW = 0.5
@@ -72,7 +72,7 @@ def measure_bin(points: Floats) -> MeasuredBin | None:
     # A table around the bin is a floor as well, and tilts it: that within the ring counts.
     local = (over - rim.T_floor_ring.translation) @ rim.T_floor_ring.rotation
     inside = (np.abs(local[:, :2]) < np.array(rim.outside) / 2 - WALL_WITHIN).all(axis=1)
-    inner = find_floor(points[inside & (local[:, 2] < -LEVEL)])
+    inner = find_floor(points[inside & (local[:, 2] < -RING_HALF_HEIGHT)])
     if inner is not None and inner[0].rotation[:, 2] @ floor[0].rotation[:, 2] > LEVELLED:
         over_inner, rim_inner = _find_rim(points, inner[0])
         if rim_inner is not None:
@@ -100,9 +100,9 @@ class _Ring:
 
 def _rings(over: Floats) -> Iterator[_Ring]:
     """The rings that points (n, 3) [m] over the floor show, the highest first."""
-    top = min(float(np.percentile(over[:, 2], 99.9)), HIGHEST)
-    for height in np.arange(top, LOWEST, -RING_SPACING):
-        points = over[np.abs(over[:, 2] - height) < LEVEL]
+    top = min(float(np.percentile(over[:, 2], 99.9)), HIGHEST_RIM)
+    for height in np.arange(top, LOWEST_RIM, -RING_SPACING):
+        points = over[np.abs(over[:, 2] - height) < RING_HALF_HEIGHT]
         if len(points) < FEWEST_POINTS:
             continue
         T_floor_ring, outside = rectangle_around(points, np.array([0.0, 0.0, 1.0]), float(height))
@@ -126,12 +126,12 @@ def _is_rim(ring: Floats, T_floor_ring: pin.SE3, outside: Floats) -> bool:
             shown.append(len(np.unique(at.astype(int))) / pieces)
             lengths.append(float(outside[along]))
     share = float(np.average(shown, weights=lengths))
-    return share >= SHOWN and sorted(shown)[1] >= LEAST_SHOWN and is_wall.mean() >= HOLLOW
+    return share >= SHOWN_SHARE and sorted(shown)[1] >= SHOWN_A_SIDE and is_wall.mean() >= HOLLOW
 
 
 def _top(over: Floats, ring: _Ring) -> float:
     """How high the walls are [m] whose highest ring that is."""
     local = (over - ring.T_floor_ring.translation) @ ring.T_floor_ring.rotation
     beyond = (np.abs(local[:, :2]) - np.array(ring.outside) / 2).max(axis=1)
-    wall = over[(np.abs(beyond) < WALL_WITHIN) & (np.abs(local[:, 2]) < 2 * LEVEL), 2]
+    wall = over[(np.abs(beyond) < WALL_WITHIN) & (np.abs(local[:, 2]) < 2 * RING_HALF_HEIGHT), 2]
     return float(np.percentile(wall, TOP))

@@ -19,7 +19,7 @@ from workbench.perception.bins.floor_search import find_floor
 MOST_POINTS, PLANES_TRIED, MOST_SURFACES = 20_000, 300, 4
 """Points that are checked, planes tried for each surface, and how many surfaces."""
 
-GATE = 0.004
+PLANE_WITHIN = 0.004
 """[m] A point this near to a plane lies on it."""
 
 LEAST_SHARE = 0.02
@@ -123,19 +123,19 @@ def _plane(points: Floats, rng: np.random.Generator) -> tuple[Floats, float, np.
         if length < 1e-9:
             continue
         normal = normal / length if normal @ a < 0 else -normal / length
-        count = float(np.mean(np.abs((few - a) @ normal) < GATE)) * len(points)
+        count = float(np.mean(np.abs((few - a) @ normal) < PLANE_WITHIN)) * len(points)
         if count > most:
             best, most = (normal, float(normal @ a)), count
     if best is None:
         return None
     normal, height = best
     for _ in range(3):
-        on = np.abs(points @ normal - height) < GATE
+        on = np.abs(points @ normal - height) < PLANE_WITHIN
         middle = points[on].mean(axis=0)
         normal = np.linalg.svd(points[on] - middle, full_matrices=False)[2][2]
         normal = normal if normal @ middle < 0 else -normal
         height = float(normal @ middle)
-    return normal, height, np.abs(points @ normal - height) < GATE
+    return normal, height, np.abs(points @ normal - height) < PLANE_WITHIN
 
 
 def rectangle_around(

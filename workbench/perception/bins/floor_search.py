@@ -13,7 +13,7 @@ from workbench.model.geometry import Floats, Ints
 MOST_POINTS, PLANES_TRIED = 4_000, 6_000
 """Points that are checked, and planes that are tried."""
 
-GATE = 0.006
+PLANE_WITHIN = 0.006
 """[m] A point this near to a plane lies on it: floors of cartons are bent."""
 
 GATES = (0.006, 0.006, 0.004, 0.003, 0.003)
@@ -25,7 +25,7 @@ BEHIND = 2.0
 LEAST_SHARE = 0.02
 """Share of the points that a floor has at least, after those behind it are taken off."""
 
-STEEPEST = float(np.cos(np.deg2rad(45.0)))
+FLOOR_COSINE = float(np.cos(np.deg2rad(45.0)))
 """Cosine to the scanner's axis: what it looks along more than at is a wall."""
 
 OUTLYING = 1.0
@@ -46,7 +46,7 @@ def find_floor(points: Floats) -> tuple[pin.SE3, Floats] | None:
     if len(few) < 3:
         return None
     drawn = np.random.default_rng(0).integers(len(few), size=(PLANES_TRIED, 3))
-    normal, height, value = _search(few, drawn, GATE, STEEPEST)
+    normal, height, value = _search(few, drawn, PLANE_WITHIN, FLOOR_COSINE)
     if value < LEAST_SHARE * len(few):
         return None
     for gate in GATES:

@@ -18,7 +18,7 @@ CAP = 0.5
 SHELL = 0.2
 """Points within this share of the radius from a ball's surface may be measured on it."""
 
-GATE = 3.0
+OUTLIER_DEVIATIONS = 3.0
 """Standard deviations from the surface beyond which a point is an outlier."""
 
 FIT_STEPS = 8
@@ -85,5 +85,5 @@ def _fit_sphere(
         rows = np.column_stack([offsets / lengths[:, None], np.full(len(points), float(is_free))])
         move = np.linalg.lstsq(rows[on], left[on], rcond=None)[0]
         centre, radius = centre + move[:3], radius + float(move[3]) * is_free
-        gate = GATE * 1.4826 * float(np.median(np.abs(left))) + 1e-9
+        gate = OUTLIER_DEVIATIONS * 1.4826 * float(np.median(np.abs(left))) + 1e-9
     return centre, radius, np.linalg.norm(points - centre, axis=1) - radius

@@ -29,10 +29,10 @@ FEWEST_POINTS = 25
 MOST_BALLS = 24
 """Balls that are checked, those with the most votes."""
 
-TOLERANCE = 0.08
+BALL_SURFACE_SHARE = 0.08
 """Distance from a ball's surface, over the radius, within which points belong to it."""
 
-ROUND = 0.015
+LEAST_VARIANCE = 0.015
 """Least variance of the normals on a ball; some 0.04 on the half that is seen."""
 
 DISTANCE_TOLERANCE = 0.003
@@ -41,7 +41,7 @@ DISTANCE_TOLERANCE = 0.003
 FARTHEST_POINT = 20.0
 """[m] Points further from the scanner along one of its axes are outliers."""
 
-KEPT = 15_000
+MOST_KEPT = 15_000
 """Points of a scan that are kept with an observation."""
 
 
@@ -92,7 +92,12 @@ def _fit(
     tree: Any, normals: Floats, centre: Floats, radius: float
 ) -> tuple[Floats, float, int] | None:
     """The centre by least squares, the spread [m] and the number of its points, if it is a ball."""
-    for gate in (4 * TOLERANCE, 2 * TOLERANCE, TOLERANCE, TOLERANCE):
+    for gate in (
+        4 * BALL_SURFACE_SHARE,
+        2 * BALL_SURFACE_SHARE,
+        BALL_SURFACE_SHARE,
+        BALL_SURFACE_SHARE,
+    ):
         shell = np.array(tree.query_ball_point(centre, (1 + gate) * radius), dtype=np.int64)
         offsets = tree.data[shell] - centre
         lengths = np.linalg.norm(offsets, axis=1)
@@ -107,7 +112,7 @@ def _fit(
             return None
         centre = centre + move
     # Normals of a ball differ in all directions, those of a cylinder are across its axis.
-    if np.linalg.eigvalsh(np.cov(normals[shell[on]].T))[0] < ROUND:
+    if np.linalg.eigvalsh(np.cov(normals[shell[on]].T))[0] < LEAST_VARIANCE:
         return None
     left = lengths[on] - radius
     return centre, float(np.sqrt(np.mean(left**2))), len(rows)
@@ -159,5 +164,5 @@ def sight_plate(scan: Scan, plate: BallPlate, name: str, arm: str, q: Floats) ->
         )
     three = list(chosen)
     spread = float(np.sqrt(np.mean(spreads[three] ** 2)))
-    points = sampled(scan.points, KEPT)
+    points = sampled(scan.points, MOST_KEPT)
     return PlateObservation(name, arm, q, plate, centres[three], spread, points)

@@ -42,7 +42,7 @@ LEAST_DEVIATION = 3e-5 / np.repeat([1.0, ARM], 3)
 """[m, rad] Deviation of every comparison that no number of days takes out.  In simulation a bin
 that is moved beside a table moves the table's fit by a fifth of that; nothing real is so flat."""
 
-PARTS = "parts put down"
+PARTS_LABEL = "parts put down"
 """What all parts together are called."""
 
 UNSEEN = 1e-4
@@ -141,9 +141,9 @@ def courses(sightings: Sequence[ThingSighting]) -> tuple[DriftHistory, ...]:
     """
     by_thing: defaultdict[tuple[str, Kind], list[ThingSighting]] = defaultdict(list)
     for sighting in sightings:
-        by_thing[(PARTS if sighting.kind == "part" else sighting.thing, sighting.kind)].append(
-            sighting
-        )
+        by_thing[
+            (PARTS_LABEL if sighting.kind == "part" else sighting.thing, sighting.kind)
+        ].append(sighting)
     tests = 6 * max(1, sum(kind != "part" for _, kind in by_thing))
     order = sorted(
         by_thing, key=lambda thing: (("bin", "fixture", "part").index(thing[1]), thing[0])

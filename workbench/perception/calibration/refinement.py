@@ -17,7 +17,7 @@ from workbench.perception.calibration.drift import (
     CHANCE,
     DAY,
     MOST_DAYS,
-    PARTS,
+    PARTS_LABEL,
     DriftEstimate,
     DriftHistory,
     courses,
@@ -80,7 +80,7 @@ def drift_of(sightings: Sequence[ThingSighting], prior: Floats, distance: float)
     if by_parts is not None:
         others += [_as_change(by_parts, course) for course in drifts if course.kind == "part"]
         if _is_off(by_parts, prior).any():
-            drifted.append(PARTS)
+            drifted.append(PARTS_LABEL)
     seen = np.zeros(6, bool)
     for course in others:
         seen |= np.isfinite(course.change)

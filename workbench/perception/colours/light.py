@@ -14,7 +14,7 @@ from scipy.spatial import KDTree
 from workbench.model.geometry import Bools, Floats
 from workbench.perception.views.srgb import linear
 
-DARK = 0.02
+DARK_OFFSET = 0.02
 """Added to each channel, whose brightest is 1: the ratios of what is black mean nothing."""
 
 SPREAD = (0.1, 0.1, 0.5)
@@ -37,7 +37,7 @@ UNLIKE = 6.0
 
 def features(shares: Floats) -> Floats:
     """Logarithms (..., 3), no unit, of red and blue over green and of brightness of light."""
-    red, green, blue = np.moveaxis(shares + DARK, -1, 0)
+    red, green, blue = np.moveaxis(shares + DARK_OFFSET, -1, 0)
     return np.log(np.stack([red / green, blue / green, (red + green + blue) / 3.0], axis=-1))
 
 
@@ -74,7 +74,7 @@ def distances(seen: Floats, paints: Floats, deviation: Floats) -> Floats:
     tints = np.exp(np.stack([TINTS[:, 0], np.zeros(len(TINTS)), TINTS[:, 1]], axis=1))
     tinted = paints[:, None] * tints
     bright, expected = seen.mean(axis=1), tinted.mean(axis=2)
-    scale = bright[:, None, None] / np.maximum(expected, DARK / 10.0)
+    scale = bright[:, None, None] / np.maximum(expected, DARK_OFFSET / 10.0)
     ratios = features(tinted * scale[..., None])[..., :2]
     off = (features(seen)[:, None, None, :2] - ratios) / deviation[:2]
     brighter = features(seen)[:, None, None, 2] - features(tinted)[..., 2]

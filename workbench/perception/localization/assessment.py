@@ -35,7 +35,7 @@ SLIDES = (-1.0, -0.5, 0.0, 0.5, 1.0)
 MOST_SWITCHES = 3
 """How often a pose gives way to one that its near-symmetries lead to."""
 
-CLOSE = 0.02
+CLOSE_RIVAL = 0.02
 """Rivals that are worse by more than this share after a rough polish get no fine one."""
 
 STEPS_OVER_TOLERANCE = (2.0, 1.0, 0.5, 0.25, 0.125)
@@ -237,6 +237,6 @@ def _best_of(
     steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
     rough = refine_poses(coarse_map, surface, poses[kept], tolerance, steps[:3])
     values = closeness(tally(depth_map, surface, rough, tolerance))
-    close = values >= values.max() - CLOSE * abs(values.max())
+    close = values >= values.max() - CLOSE_RIVAL * abs(values.max())
     polished = refine_poses(depth_map, surface, rough[close], tolerance, steps)
     return polished[int(np.argmax(closeness(tally(depth_map, surface, polished, tolerance))))]

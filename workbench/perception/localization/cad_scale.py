@@ -40,10 +40,10 @@ part that is found at one end the other one is off by the whole difference."""
 SHARED = 4.0
 """Points that share their errors: this many count as one."""
 
-GATE = 6.0
+OUTLIER_DEVIATIONS = 6.0
 """Robust deviations beyond which a point says nothing."""
 
-FINEST = 1e-6
+LEAST_NOISE = 1e-6
 """[m] Noise is never taken for less."""
 
 LARGEST_STEP = 0.02
@@ -128,8 +128,8 @@ def _fit(
             np.sum(arms * pairs.normals, axis=1),
         ])  # fmt: skip
         # The robust deviation is not asked before the pose is nearly right.
-        spread = max(1.48 * float(np.median(np.abs(pairs.off))), FINEST)
-        gate = wide if step < 2 else min(wide, GATE * spread)
+        spread = max(1.48 * float(np.median(np.abs(pairs.off))), LEAST_NOISE)
+        gate = wide if step < 2 else min(wide, OUTLIER_DEVIATIONS * spread)
         weights = np.clip(1.0 - (pairs.off / gate) ** 2, 0.0, None) ** 2  # Tukey's biweight
         if not weights.any():
             return None
@@ -144,7 +144,7 @@ def _fit(
         x = np.linalg.solve(others, b[:7] - A[:7, 7] * change)
         move(T, centre, x[:6], radius)
         scale += change / radius
-        variance = max(float(weights @ pairs.off**2) / float(weights.sum()), FINEST**2)
+        variance = max(float(weights @ pairs.off**2) / float(weights.sum()), LEAST_NOISE**2)
         deviation = float(np.sqrt(SHARED * variance / information)) / radius
         shared = SHARED_OFF * float(np.sqrt(weights.sum() / information)) / radius
     return scale, deviation, shared

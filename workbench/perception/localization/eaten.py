@@ -22,13 +22,13 @@ from workbench.perception.localization.loosening import measure_explained
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.sightings import Sighting, look
 
-WIDEST = 4
+WIDEST_ERROR = 4
 """[pixels] More is never taken for eaten: it is another part, or another size."""
 
 STRAY = 0.1
 """Share of the pixels at one distance from the outline that the scan may look through anywhere."""
 
-WHOLE = 0.05
+SEEN_THROUGH_SHARE = 0.05
 """Further inside, the scan may look through no more than this share of a part."""
 
 FEWEST_PIXELS = 40
@@ -57,7 +57,7 @@ def allow_eaten_outlines(found: list[PartSearch], compete: Compete) -> list[Part
     if len(widths) < FEWEST_PARTS or min(widths) <= NOT_EATEN:
         return found
     wide = ceil(float(np.median(widths)) - NOT_EATEN)
-    grown = [_without_background(search, min(wide, WIDEST)) for search in found]
+    grown = [_without_background(search, min(wide, WIDEST_ERROR)) for search in found]
     compete(
         grown,
         [
@@ -106,16 +106,18 @@ def eaten_width(sighting: Sighting, columns: int) -> float | None:
     picture[v, u] = True
     inwards = np.asarray(distance_transform_cdt(picture, "chessboard"))[v, u]
     explained, violated = len(sighting.explained), len(sighting.violated)
-    through = np.bincount(inwards[explained : explained + violated], minlength=WIDEST + 3)
-    on = np.bincount(inwards[:explained], minlength=WIDEST + 3)
+    through = np.bincount(inwards[explained : explained + violated], minlength=WIDEST_ERROR + 3)
+    on = np.bincount(inwards[:explained], minlength=WIDEST_ERROR + 3)
     if on[1] + through[1] < FEWEST_PIXELS:
         return None
     width, reach = 0.0, 0
-    while reach <= WIDEST and through[reach + 1] > STRAY * (on[reach + 1] + through[reach + 1]):
+    while reach <= WIDEST_ERROR and through[reach + 1] > STRAY * (
+        on[reach + 1] + through[reach + 1]
+    ):
         reach += 1
         width += float(through[reach] / (on[reach] + through[reach]))
     inside = through[reach + 1 :].sum(), on[reach + 1 :].sum()
-    if inside[1] == 0 or inside[0] > WHOLE * sum(inside):
+    if inside[1] == 0 or inside[0] > SEEN_THROUGH_SHARE * sum(inside):
         return None
     return width
 

@@ -60,7 +60,7 @@ class Effort(NamedTuple):
 EFFORTS = (Effort(0.1, 80, 6), Effort(0.5, 150, 24), Effort(1.0, 300, 80))
 """Three rounds vote with rising effort: clear parts first, hidden ones with patience."""
 
-FEW = Effort(0.0, 80, 6)
+LITTLE_EFFORT = Effort(0.0, 80, 6)
 FEW_VOTED, FEW_FITTED = 30, 12
 """What is enough to tell which of many kinds may lie there, and the poses that are followed."""
 
@@ -74,7 +74,7 @@ def find_coarse_poses(
     seed: int,
 ) -> Floats:
     """The best poses (k, 4, 4) [m] that a few points vote for, fitted once; see `hypotheses`."""
-    voted = _vote(coarse_map, surface, tolerance, is_possible, FEW, (seed, len(EFFORTS)))
+    voted = _vote(coarse_map, surface, tolerance, is_possible, LITTLE_EFFORT, (seed, len(EFFORTS)))
     return _fit(coarse_map, surface, voted[:FEW_VOTED], tolerance)[:FEW_FITTED]
 
 

@@ -58,7 +58,7 @@ PIXELS_ACROSS = 70
 FEWEST_ACROSS = 20
 """Pixels over the diameter with which a glance can be taken."""
 
-TOLERANCE = 0.015
+EXPLAINED_SHARE = 0.015
 """Distance from the predicted surface within which a point is explained, over the diameter."""
 
 TOLERANCE_OVER_NOISE = 4.0
@@ -141,7 +141,7 @@ def begin_search(
         between = np.sqrt(scene.filled * POINTS_A_PIXEL) / POINTS_A_PIXEL
         depth_map = replace(depth_map, mixed=MIXED + round(float(between)))
     noise = _noise(cell, scan, scene)
-    tolerance = max(TOLERANCE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
+    tolerance = max(EXPLAINED_SHARE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
     spread = max(SPREAD_OVER_NOISE * noise, LEAST_SPREAD * tolerance)
     T_scanner_bin = scan.T_world_scanner.actInv(bin.T_world_bin)
 

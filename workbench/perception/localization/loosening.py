@@ -24,7 +24,7 @@ from workbench.perception.matching.sightings import look
 DOUBTFUL = 0.5
 """Where parts explain less than this share of what lies in the bin, they are asked again."""
 
-LOOSE = 3.0
+LOOSER_BY = 3.0
 """The tolerance then, over what it was."""
 
 LOOSE_SPREAD, LOOSE_MOST = 0.15, 1.5
@@ -100,7 +100,7 @@ def measure_explained(
 
 
 def _loose(search: PartSearch) -> PartSearch:
-    tolerance = LOOSE * search.tolerance
+    tolerance = LOOSER_BY * search.tolerance
     return replace(
         search,
         tolerance=tolerance,

@@ -39,7 +39,7 @@ WEAK = 3
 """Directions that are searched at most: those that the fit holds least.  A ball's are its turns, of
 which none is seen."""
 
-LOOSE = 0.05
+LOOSE_SHARE = 0.05
 """Directions are searched when the noise alone may shift them by this share of the tolerance."""
 
 NOISE = 0.25
@@ -48,7 +48,7 @@ NOISE = 0.25
 GIVEN_UP = 0.01
 """The last fit stands if it costs the pose no more than a pixel and this share of its closeness."""
 
-SLACK = 0.02
+LOOSE_SHIFT = 0.02
 """A part whose surface may move by this share of its diameter, and be explained as well, is not
 held."""
 
@@ -138,7 +138,7 @@ def _settle(
     values, directions = np.linalg.eigh(A)
     is_moved = False
     for weak in range(searched):
-        if NOISE / np.sqrt(max(values[weak], 1e-12)) < LOOSE:
+        if NOISE / np.sqrt(max(values[weak], 1e-12)) < LOOSE_SHARE:
             break
         for step in steps:
             start = T.copy()
@@ -212,7 +212,7 @@ def is_constrained(
         turn = _turn(surface, pose)
         A = A + FIRM * np.outer(turn, turn) / float(turn @ turn)
     values, vectors = np.linalg.eigh(A)
-    radius, step = surface.diameter / 2, SLACK * surface.diameter
+    radius, step = surface.diameter / 2, LOOSE_SHIFT * surface.diameter
     errors = NOISE * tolerance / np.sqrt(np.maximum(values, 1e-12))
     # What counts is how far the surface moves: a spring, as a screw about its axis, moves little.
     travels = _travels(surface, pose, vectors)

@@ -29,7 +29,7 @@ CLOSE_AHEAD, AHEAD, ODD = 2.0, 0.5, 1.0
 """[nat] And where something that is not known lies closely in front, or further so, or where what
 is measured on the part faces elsewhere."""
 
-CLOSE = 4.0
+CLOSE_IN_FRONT = 4.0
 """Tolerances up to which what lies in front is close: it goes on where the part would end."""
 
 
@@ -63,8 +63,8 @@ def log_likelihood_ratio(
     against = looked_through(sighting)
     if is_all_known:
         ahead = sighting.ahead[~is_other[sighting.hidden]]
-        close = int(np.count_nonzero((ahead > tolerance) & (ahead <= CLOSE * tolerance)))
-        far = int(np.count_nonzero(ahead > CLOSE * tolerance))
+        close = int(np.count_nonzero((ahead > tolerance) & (ahead <= CLOSE_IN_FRONT * tolerance)))
+        far = int(np.count_nonzero(ahead > CLOSE_IN_FRONT * tolerance))
         odd = int(np.count_nonzero(ahead <= tolerance))
         against += CLOSE_AHEAD * close + AHEAD * far + ODD * odd
     return min(fit, most) - against / len(off)

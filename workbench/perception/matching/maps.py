@@ -31,7 +31,7 @@ MOST_PIXELS = 600_000
 MIXED = 2
 """[pixels] Within this distance of a thing's edge measurements of both sides are mixed."""
 
-COUNTED, MOST_COUNTED = 8.0, 50_000
+POINTS_A_SQUARE, MOST_COUNTED = 8.0, 50_000
 """Points that the squares in which they are counted hold on average, and how many are counted; of
 more every second, third, ..."""
 
@@ -177,7 +177,7 @@ def _density(points: Floats, low: Floats, high: Floats) -> float:
         high: (2,) the opposite one.
     """
     few = sampled(points, MOST_COUNTED)
-    side = np.sqrt(float(np.prod(high - low)) * COUNTED / len(few))
+    side = np.sqrt(float(np.prod(high - low)) * POINTS_A_SQUARE / len(few))
     columns, rows = np.ceil((high - low) / side).astype(np.int64) + 1
     u, v = (np.floor((few[:, k] / few[:, 2] - low[k]) / side).astype(np.int64) for k in (0, 1))
     is_shown = (u >= 0) & (u < columns) & (v >= 0) & (v < rows)

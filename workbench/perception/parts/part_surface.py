@@ -47,7 +47,7 @@ ROUGH, ROUGH_OFF = (100, 200, 400, 800), 0.006
 FITTING, ROUGHLY_FITTING = 0.95, 0.9
 """Share of the surface that must lie within these distances, of both."""
 
-ROUND = 0.02
+BALL_SHARE = 0.02
 """A surface whose distance from its middle varies by less, over the diameter, is a ball's."""
 
 MOST_KEPT = 100
@@ -214,7 +214,7 @@ def _unlike(points: OrientedPoints, symmetry: Symmetry, diameter: float) -> np.n
 
 def _is_ball(points: Floats, middle: Floats, diameter: float) -> bool:
     """Whether points of a surface (n, 3) [m] are all as far from its middle."""
-    return bool(np.ptp(np.linalg.norm(points - middle, axis=1)) < ROUND * diameter)
+    return bool(np.ptp(np.linalg.norm(points - middle, axis=1)) < BALL_SHARE * diameter)
 
 
 def _simplify(

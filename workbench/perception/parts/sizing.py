@@ -10,7 +10,7 @@ from workbench.model.geometry import Mesh, outwards
 from workbench.model.part import Part
 from workbench.model.scan import LocalizationResult
 
-LEVEL = 0.05
+EXACT_LEVEL = 0.05
 """See `outwards`: these meshes are exact."""
 
 MOST_SEARCHES = 4
@@ -51,7 +51,7 @@ def grown(part: Part, by: float) -> Part:
     mesh = triangles_of(part.mesh)
     mesh.merge_vertices()
     triangles = np.asarray(mesh.faces)
-    points = mesh.vertices + by * outwards(np.asarray(mesh.vertices), triangles, LEVEL)
+    points = mesh.vertices + by * outwards(np.asarray(mesh.vertices), triangles, EXACT_LEVEL)
     return replace(part, mesh=Mesh(points, triangles))
 
 

@@ -14,7 +14,7 @@ from scipy.ndimage import distance_transform_edt, label
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.perception.views.surfaces import rays_of
 
-FINEST = 0.004
+SMALLEST_CUBE = 0.004
 """[m] Edge of the cubes that the room is divided into."""
 
 MOST_CUBES = 200_000
@@ -100,7 +100,7 @@ def _cubes(cells: Ints, tops: Floats, edge: float, room: Room) -> _Cubes | None:
     low = np.maximum(cells.min(axis=0) * edge - room.reach, -room.half)
     high = np.minimum((cells.max(axis=0) + 1) * edge + room.reach, room.half)
     volume = float(np.prod(high - low)) * height
-    wide = int(np.ceil(max(FINEST, float(np.cbrt(volume / MOST_CUBES))) / edge))
+    wide = int(np.ceil(max(SMALLEST_CUBE, float(np.cbrt(volume / MOST_CUBES))) / edge))
     cube = wide * edge
     first = np.floor(low / cube).astype(np.int64)
     across = np.ceil(high / cube).astype(np.int64) - first

@@ -28,13 +28,13 @@ MOST_POINTS = 8000
 NEIGHBOURS = 12
 """Points by which the normal at a point is known."""
 
-FLAT = 0.05
+FLAT_SPREAD = 0.05
 """The least of the three spreads of neighbours over the middle one: more is no surface."""
 
 ALIKE_NORMALS = 0.8
 """Cosine between the normals of what is the same place."""
 
-WIDEST, NARROWEST = 0.03, 0.003
+FIRST_RADIUS, LAST_RADIUS = 0.03, 0.003
 """[m] Within this distance the same place is searched, at first and at last."""
 
 FIT_ROUNDS = 20
@@ -168,7 +168,7 @@ def _thin(cell: Cell, scan: Scan) -> _Cloud:
     normals = axes[:, :, 0]
     seen_from = scan.T_world_scanner.translation - points
     normals = normals * np.sign(np.einsum("nk,nk->n", normals, seen_from))[:, None]
-    normals[spreads[:, 0] > FLAT * spreads[:, 1]] = 0.0
+    normals[spreads[:, 0] > FLAT_SPREAD * spreads[:, 1]] = 0.0
     return points, normals
 
 
@@ -187,7 +187,7 @@ def _fit(cloud: _Cloud, placed: Sequence[_Cloud]) -> pin.SE3:
     middle = points.mean(axis=0)
     prior = np.diag([1 / SHIFT**2] * 3 + [1 / TURN**2] * 3)
     for number in range(FIT_ROUNDS):
-        reach = max(WIDEST * 0.85**number, NARROWEST)
+        reach = max(FIRST_RADIUS * 0.85**number, LAST_RADIUS)
         p = points @ T.rotation.T + T.translation
         away, nearest = tree.query(p, distance_upper_bound=reach)
         close = np.flatnonzero(np.isfinite(away))

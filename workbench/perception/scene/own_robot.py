@@ -14,12 +14,12 @@ from workbench.model.messages.calibration import ScanText
 from workbench.model.scan import Scan
 from workbench.perception.views.surfaces import add_surface, triangles_of
 
-ROOM = 0.01
+AROUND_ROBOT = 0.01
 """[m] Around what is modelled of the robot: cables, and what calibration and scanner are off."""
 
 
 def without_robot(scan: Scan, cell: Cell) -> Scan:
-    """The scan without points on the robot or within `ROOM` of it.
+    """The scan without points on the robot or within `AROUND_ROBOT` of it.
 
     Fingers count at both ends of their stroke: nobody reports how far they are open.
 
@@ -52,7 +52,7 @@ def _on_robot(scan: Scan, cell: Cell) -> Bools:
     for solid, T_world_owner in robot_solids(cell, scan.joints or {}):
         surface, T = triangles_of(solid.shape), T_world_owner * solid.T_owner_shape
         corners = np.asarray(surface.vertices) @ T.rotation.T + T.translation
-        low, high = corners.min(axis=0) - ROOM, corners.max(axis=0) + ROOM
+        low, high = corners.min(axis=0) - AROUND_ROBOT, corners.max(axis=0) + AROUND_ROBOT
         if np.any((low > highest) | (high < lowest)):
             continue
         near = np.flatnonzero(~is_robot & np.all((points >= low) & (points <= high), axis=1))
@@ -61,7 +61,7 @@ def _on_robot(scan: Scan, cell: Cell) -> Bools:
             add_surface(scene, surface, T)
             queries = o3d.core.Tensor(points[near].astype(np.float32))
             away = scene.compute_signed_distance(queries, nthreads=1).numpy()
-            is_robot[near[away <= ROOM]] = True
+            is_robot[near[away <= AROUND_ROBOT]] = True
     return is_robot
 
 

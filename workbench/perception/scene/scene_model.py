@@ -11,9 +11,9 @@ from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.bins.bin_check import MOST_POINTS, SEARCHED_AROUND, rim_place
 from workbench.perception.bins.bin_fit import (
+    MOST_TILTED,
     SEARCHED_WITHIN,
     SEEN_WALL,
-    STEEPEST,
     SeenBin,
     fit_bin,
 )
@@ -75,7 +75,7 @@ def scene_model(scan: Scan, cell: Cell, *, smallest: float = 0.0) -> SceneModel:
 def _is_far(T_bin_rim: pin.SE3) -> bool:
     """Whether a rim lies further away than floor and walls are searched for."""
     shift, turn = shift_and_turn(T_bin_rim)
-    return shift > SEARCHED_WITHIN or turn > STEEPEST
+    return shift > SEARCHED_WITHIN or turn > MOST_TILTED
 
 
 def _filled(

@@ -6,12 +6,12 @@ import open3d as o3d
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools
 from workbench.model.scan import Detection, Scan
-from workbench.perception.scene.unexplained import TOLERANCE, known_surfaces
+from workbench.perception.scene.unexplained import EXPLAINED_WITHIN, known_surfaces
 
 FEWEST_POINTS = 10
 """Points near the surface of a part by which it is seen; a wire of 0.1 m at 1 m shows more."""
 
-ASIDE = TOLERANCE / 2
+ASIDE = EXPLAINED_WITHIN / 2
 """[m] Half of a part's points are no farther from its surface: else it lies elsewhere."""
 
 
@@ -32,7 +32,8 @@ def shown(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Bools:
     T, near = scan.T_world_scanner, np.zeros(len(scan.points), bool)
     for detection in detections:
         reach = (
-            float(np.linalg.norm(cell.part(detection.part).mesh.points, axis=1).max()) + TOLERANCE
+            float(np.linalg.norm(cell.part(detection.part).mesh.points, axis=1).max())
+            + EXPLAINED_WITHIN
         )
         off = scan.points - T.actInv(detection.T_world_part.translation)
         near |= np.einsum("ij,ij->i", off, off) <= reach**2
@@ -44,7 +45,7 @@ def shown(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Bools:
     found = scene.compute_closest_points(o3d.core.Tensor(queries), nthreads=1)
     away = np.linalg.norm(found["points"].numpy() - queries, axis=1)
     whose = owners[found["geometry_ids"].numpy().astype(np.int64)]
-    of = [away[(whose == k) & (away <= TOLERANCE)] for k in range(len(detections))]
+    of = [away[(whose == k) & (away <= EXPLAINED_WITHIN)] for k in range(len(detections))]
     return np.array(
         [len(far) >= FEWEST_POINTS and float(np.median(far)) <= ASIDE for far in of], bool
     )

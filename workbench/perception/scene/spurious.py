@@ -28,7 +28,7 @@ SURE_SHARE = 0.6
 MIXED_PIXELS = 1.5
 """Pixels from a point to where the surfaces are that it may be mixed of."""
 
-FEW = 50
+FEWEST_POINTS = 50
 """With fewer points nothing is known of how dense they are."""
 
 MOST_POINTS = 50_000
@@ -43,7 +43,7 @@ _CLOCK = np.linspace(0.0, 2 * np.pi, 8, endpoint=False)
 def pixel_angle(points: Floats, chosen: Ints) -> float:
     """The angle [rad] between neighbouring points, as the one in the middle of all sees it.
 
-    It is 0 where fewer than `FEW` points are there.
+    It is 0 where fewer than `FEWEST_POINTS` points are there.
 
     Args:
         points: (n, 3) [m] in the scanner's frame, organised or not.
@@ -53,7 +53,7 @@ def pixel_angle(points: Floats, chosen: Ints) -> float:
     some = points[chosen[::step]]
     far = np.linalg.norm(some, axis=1)
     some, far = some[far > 0], far[far > 0]
-    if len(some) < FEW:
+    if len(some) < FEWEST_POINTS:
         return 0.0
     ahead = np.mean(some / far[:, None], axis=0)
     across = np.linalg.svd(ahead[None])[2][1:]

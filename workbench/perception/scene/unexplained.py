@@ -26,7 +26,7 @@ from workbench.perception.scene.upright_boxes import Grid, upright_boxes
 from workbench.perception.scene.voxels import Voxels, counted
 from workbench.perception.views.surfaces import add_surface, triangles_of
 
-TOLERANCE = 0.006
+EXPLAINED_WITHIN = 0.006
 """[m] This far from a known surface a point still belongs to it: noise, and pose errors."""
 
 CUBE = 0.002
@@ -99,7 +99,7 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
     Ts = np.array([T.inverse().homogeneous for T, _ in boxes])
     halves = np.array([size / 2 for _, size in boxes])
     T = T_bin_scanner.homogeneous
-    left, within = _points_left(scan.points, T, centre, radius, Ts, halves, TOLERANCE)
+    left, within = _points_left(scan.points, T, centre, radius, Ts, halves, EXPLAINED_WITHIN)
     if len(left) == 0:
         return Unexplained()
     voxels = counted(left, CUBE)
@@ -193,7 +193,7 @@ def _owners(scene: o3d.t.geometry.RaycastingScene, owners: Ints, points: Floats)
         nearest = scene.compute_closest_points(o3d.core.Tensor(some), nthreads=1)
         away = np.linalg.norm(nearest["points"].numpy() - some, axis=1)
         whose = owners[nearest["geometry_ids"].numpy().astype(np.int64)]
-        found[begin : begin + AT_ONCE] = np.where(away <= TOLERANCE, whose, UNEXPLAINED)
+        found[begin : begin + AT_ONCE] = np.where(away <= EXPLAINED_WITHIN, whose, UNEXPLAINED)
     return found
 
 

@@ -20,7 +20,7 @@ from workbench.perception.scene.roofs import NO_ROOFS, Roofs
 FILLED = 0.75
 """Share of its box that a heap must fill seen from above; otherwise it is split in two."""
 
-STEEPEST = 0.03
+SAME_BOX_HEIGHT = 0.03
 """[m] Heights in one box may differ by this much before it is split."""
 
 NARROW_BOX = 0.03
@@ -35,7 +35,7 @@ MOST_BOXES = 40
 FLATTEST = 0.006
 """[m] Height of a box around what lies lower than the floor."""
 
-WIDEST = 1.5
+LARGEST_AREA_RATIO = 1.5
 """Area of a rectangle that is clear of a known part, over that of the smallest."""
 
 SMALLEST = 0.006
@@ -111,7 +111,7 @@ def _boxes(cells: Ints, heights: Floats, grid: Grid, roofs: Roofs, most: int) ->
     coarse, edge = np.unique(cells // grid.coarse, axis=0), grid.coarse * grid.edge
     # The grid adds a rim of half a cell to whatever lies aslant in it.
     is_full = len(coarse) * edge**2 >= FILLED * np.prod(size - grid.edge)
-    is_level = float(np.ptp(heights)) <= STEEPEST
+    is_level = float(np.ptp(heights)) <= SAME_BOX_HEIGHT
     is_small = size[0] <= NARROW_BOX or len(coarse) <= FEWEST_CELLS
     is_neat = is_small or (is_full and is_level)
     if is_neat and (clear or size[0] <= SMALLEST):
@@ -134,7 +134,8 @@ def _reaches_into(box: Obstacle, roofs: Roofs) -> bool:
 def _rectangles(centres: Floats, edge: float) -> list[tuple[float, Floats, Floats]]:
     """Rectangles around grid cells (n, 2), smallest first: yaw of the longer side, middle, sizes.
 
-    One has a side along each side of the convex hull; those of more than `WIDEST` are left out.
+    One has a side along each side of the convex hull; those of more than `LARGEST_AREA_RATIO` are
+    left out.
     """
     half = edge / 2
     corners = np.vstack([centres + (x, y) for x in (-half, half) for y in (-half, half)])
@@ -151,7 +152,9 @@ def _rectangles(centres: Floats, edge: float) -> list[tuple[float, Floats, Float
         # Areas that are equal but for rounding keep the order of their angles.
         found.append((round(float(np.prod(size)), 12), float(yaw), middle, size))
     found.sort(key=lambda rectangle: rectangle[0])
-    return [rectangle[1:] for rectangle in found if rectangle[0] <= WIDEST * found[0][0]]
+    return [
+        rectangle[1:] for rectangle in found if rectangle[0] <= LARGEST_AREA_RATIO * found[0][0]
+    ]
 
 
 def _box(yaw: float, middle: Floats, size: Floats, heights: Floats) -> Obstacle:

@@ -47,7 +47,7 @@ class NoiseModel:
     drifted: float = 0.0
 
 
-FINE = NoiseModel(
+FINE_SCANNER = NoiseModel(
     baseline=0.12,
     grazing=0.26,  # 75 degrees
     fading=0.42,  # 65 degrees
@@ -121,7 +121,7 @@ LASER_LINE = NoiseModel(
 MOVING = replace(LASER_LINE, drifted=3.0)
 NOISE_MODELS: Mapping[str, NoiseModel] = MappingProxyType(
     {
-        "fine": FINE,
+        "fine": FINE_SCANNER,
         "rough": ROUGH,
         "structured_light": STRUCTURED_LIGHT,
         "stereo": STEREO,

@@ -21,7 +21,7 @@ MEMORY = 1 << 28
 """[bytes] For contacts: where it does not suffice MuJoCo drops some, and parts fall through the
 floor.  Its own estimate is too small for flat parts of many pieces.  Only what is used is taken."""
 
-FULL = (mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL)
+FULL_WARNINGS = (mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL)
 """Warnings of MuJoCo that it has dropped contacts."""
 
 LONGEST_SETTLING = 4.0
@@ -131,7 +131,7 @@ def advance(model: mujoco.MjModel, data: mujoco.MjData, steps: int = 1) -> None:
         mujoco.mj_step(model, data, nstep=steps)
     except mujoco.FatalError:
         raise InputError(PileText.CONTACTS()) from None
-    if any(data.warning[kind].number for kind in FULL):
+    if any(data.warning[kind].number for kind in FULL_WARNINGS):
         raise InputError(PileText.CONTACTS())
 
 

@@ -36,7 +36,7 @@ TILE = 0.005
 BEADS, BEAD = 16, 0.001
 """Around a cup's lip, and [m] their radius."""
 
-ROOM = 0.0005
+GAP_A_FINGER = 0.0005
 """[m] Of each finger before it closes."""
 
 RISES, PULLS = 0.02, 0.13
@@ -125,7 +125,7 @@ class Pulling:
         model.opt.gravity[:] = 0.0
         data = mujoco.MjData(model)
         data.qpos[:7] = [*self._T_tcp_part.translation, *quaternion_of(self._T_tcp_part)]
-        data.qpos[7:] = width / 2 + ROOM
+        data.qpos[7:] = width / 2 + GAP_A_FINGER
         model.dof_damping[6:] = grip.force / CLOSING
         data.qfrc_applied[6:] = -grip.force
         for _ in range(round(CLOSES_WITHIN / TIME_STEP / 10)):

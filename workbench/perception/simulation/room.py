@@ -13,7 +13,7 @@ from workbench.model.messages.parts import PileText
 from workbench.model.part import Bin, GraspLibrary, Part
 from workbench.model.symmetry import Symmetry
 
-FULL = 0.6
+FILLED_SHARE = 0.6
 """Share of the bin that parts can fill: long ones lie more loosely than that."""
 
 
@@ -28,7 +28,7 @@ def check_room(parts: Sequence[Part], bin: Bin) -> None:
             size, room = (sides * 1000 for sides in (np.ptp(part.mesh.points, axis=0), bin.size))
             sizes = {"size": _sides(size), "room": _sides(room)}
             raise InputError(PileText.TOO_LARGE(part=part.name, **sizes))
-    room = float(np.prod(bin.size)) * FULL
+    room = float(np.prod(bin.size)) * FILLED_SHARE
     volume = sum(_volume(part) for part in parts)
     if volume > room:
         most = int(len(parts) * room / volume)

@@ -18,16 +18,16 @@ FILLED_SPACINGS = 1.2
 SURFACE_SPACINGS = 2.0
 """Spacings within which points may lie on the same surface."""
 
-STEEPEST = 0.7
+STEEPEST_SURFACE = 0.7
 """Depth over width up to which two points may lie on one surface."""
 
-FINEST = 4.0
+MOST_PIXELS_BETWEEN = 4.0
 """Pixels between neighbouring points at most: more would not make it finer."""
 
 SAME_SURFACE_SHARE = 0.15
 """Depths that differ by less than this share of the points' distance lie on one surface."""
 
-COUNTED = 8.0
+POINTS_A_SQUARE = 8.0
 """Points that the squares in which they are counted hold on average."""
 
 MOST_PIXELS = 1_000_000
@@ -45,7 +45,9 @@ def densify(points: Floats, pitch: float) -> Floats:
     """
     spacing, low, high = spacing_of(points)
     distance = float(np.median(points[:, 2]))
-    step = max(pitch / distance, spacing / FINEST, np.sqrt(np.prod(high - low) / MOST_PIXELS))
+    step = max(
+        pitch / distance, spacing / MOST_PIXELS_BETWEEN, np.sqrt(np.prod(high - low) / MOST_PIXELS)
+    )
     if not 0.0 < step < spacing:
         return points
     columns, rows = np.ceil((high - low) / step).astype(int) + 1
@@ -63,7 +65,7 @@ def spacing_of(points: Floats) -> tuple[float, Floats, Floats]:
     image = points[:, :2] / points[:, 2:]
     low, high = picture_bounds(image)
     image = image[((image >= low) & (image <= high)).all(axis=1)]
-    side = float(np.sqrt(np.prod(high - low) * COUNTED / len(image)))
+    side = float(np.sqrt(np.prod(high - low) * POINTS_A_SQUARE / len(image)))
     if not side > 0.0:
         return 0.0, low, high
     at = ((image - low) / side).astype(np.int64)
@@ -144,7 +146,7 @@ def _plane_at(
             z = points[k, 2]
             x, y = points[k, 0] / z - ray[0], points[k, 1] / z - ray[1]
             wide = np.sqrt((points[k, 0] / z - x0) ** 2 + (points[k, 1] / z - y0) ** 2) * z0
-            if abs(z - z0) > gate + STEEPEST * wide:
+            if abs(z - z0) > gate + STEEPEST_SURFACE * wide:
                 continue
             low, high = min(low, z), max(high, z)
             weight = 1.0 / (1.0 + (x * x + y * y) / (step * step))

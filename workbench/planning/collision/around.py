@@ -8,7 +8,7 @@ from numba import njit
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.planning.collision.distances.cores import Cores
 from workbench.planning.collision.distances.gjk import TOUCHES, side
-from workbench.planning.collision.hands import NOTHING, Hands
+from workbench.planning.collision.hands import NO_PAIR, Hands
 
 OPEN, CLOSED = 0, 1
 
@@ -72,13 +72,13 @@ def first_fits(
 
     Returns:
         Numbers of ways (c,), -1 where none fits; and (c, 3) whether it was met `OPEN` or `CLOSED`,
-        solid of the tool times what stands around plus the number there, or `NOTHING`, and 1 where
+        solid of the tool times what stands around plus the number there, or `NO_PAIR`, and 1 where
         the two touch, as opposed to being too near.
     """
     R, c, W = _scratch(around)
     tools, still = len(around.radius), len(around.owner)
     fits = np.full(len(grasp), -1)
-    met = np.full((len(grasp), 3), NOTHING)
+    met = np.full((len(grasp), 3), NO_PAIR)
     last = np.full(2, -1)
     for k in range(len(grasp)):
         begin, end = hands.first[grasp[k]], hands.first[grasp[k] + 1]
@@ -91,14 +91,14 @@ def first_fits(
             phase, code = _first_met(
                 hands, w, place[k], pieces, places, margin, around, w == begin, last, R, c, W
             )
-            if code == NOTHING:
+            if code == NO_PAIR:
                 fits[k] = w
                 break
             if w == begin:
                 met[k, 0], met[k, 1] = phase, code
                 t, s = code // still, tools + code % still
                 met[k, 2] = side(t, s, R, c, around.cores, 0.0, 0.0, W) == TOUCHES
-            if code != NOTHING and last[0] >= 0 and _stands(around, last[0]):
+            if code != NO_PAIR and last[0] >= 0 and _stands(around, last[0]):
                 # No other opening moves what is in the way of the palm.
                 blocked[hands.turn[w]] = True
     return fits, met
@@ -124,7 +124,7 @@ def which_fit(hands: Hands, pieces: int, places: Places, margin: float, around: 
         _, code = _first_met(
             hands, w, place[0], pieces, places, margin, around, w < 0, last, R, c, W
         )
-        fits[w] = code == NOTHING
+        fits[w] = code == NO_PAIR
     return fits
 
 
@@ -174,7 +174,7 @@ def _first_met(
     number, near = places.number[d], places.near[places.start[d] : places.start[d + 1]]
     for phase in range(OPEN if has_fingers else CLOSED, 2):
         cut = hands.cuts[w, phase]
-        if cut != NOTHING:
+        if cut != NO_PAIR:
             cut = (cut // pieces) * still + places.first[d] + cut % pieces
             if not is_first_asked:
                 last[:] = -1
@@ -194,10 +194,10 @@ def _first_met(
             if g >= 0 and t * still + g < cut:
                 last[0], last[1] = t, g
                 return phase, t * still + g
-        if cut != NOTHING:
+        if cut != NO_PAIR:
             last[:] = -1
             return phase, cut
-    return 0, NOTHING
+    return 0, NO_PAIR
 
 
 @njit(cache=True)
@@ -293,7 +293,7 @@ def first_contact(
 
     Returns:
         The number of the place, -1 when there is none; and solid of the tool times what stands
-        around plus the number there, or `NOTHING`.
+        around plus the number there, or `NO_PAIR`.
     """
     R_all, c, W = _scratch(around)
     still = len(around.owner)
@@ -304,4 +304,4 @@ def first_contact(
             g = _first_near(t, every, own, margin, around, R_all, c, W)
             if g >= 0:
                 return k, t * still + g
-    return -1, NOTHING
+    return -1, NO_PAIR

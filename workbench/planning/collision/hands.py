@@ -18,7 +18,7 @@ from workbench.planning.collision.bodies import extent, tool_shapes
 from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.legs import grips, openings
 
-NOTHING = np.iinfo(np.int64).max
+NO_PAIR = np.iinfo(np.int64).max
 """Instead of the number of a pair: none is too close."""
 
 
@@ -28,7 +28,7 @@ class Hands(NamedTuple):
     `R` (w, 3, 3) and `p` (w, 3) [m] are the flange seen from the part.  `opening` (w, 2) [m] is
     that of the fingers on arrival and closed, `turn` (w,) which of the `grips` it is.  `cuts`
     (w, 2): solid of the tool times the number of the part's pieces plus the piece that it cuts
-    into, or `NOTHING`.
+    into, or `NO_PAIR`.
     """
 
     first: Ints
@@ -120,7 +120,7 @@ def _hands_of_one(
             Ts.append(T * tool.T_flange_tcp.inverse())
             opened.append((opening, grasp.grip if has_fingers else 0.0))
             turn.append(number)
-            open_cut = cut_of(tool, pieces, T, opening, 0.0, margin) if has_fingers else NOTHING
+            open_cut = cut_of(tool, pieces, T, opening, 0.0, margin) if has_fingers else NO_PAIR
             cuts.append((open_cut, closed[number]))
     return Hands(
         np.array([0, len(Ts)]),
@@ -145,7 +145,7 @@ def turns_of(tool: Tool, grasp: Grasp) -> Hands:
         np.array([T.translation for T in Ts]),
         np.tile([grasp.opening, grasp.grip], (len(Ts), 1)).astype(np.float64),
         np.zeros(len(Ts), np.int64),
-        np.full((len(Ts), 2), NOTHING),
+        np.full((len(Ts), 2), NO_PAIR),
     )
 
 
@@ -174,7 +174,7 @@ def cut_of(
             allowed = press if may_touch(tool, solids[number].name) else 0.0
             if distance(solids[number].solid.shape, T, solid.shape, solid.T_owner_shape) < -allowed:
                 return number * len(pieces) + piece
-    return NOTHING
+    return NO_PAIR
 
 
 class _Balls(NamedTuple):

@@ -18,7 +18,7 @@ from workbench.planning.kinematics.robot import Kinematics
 RANDOM_POSTURES = 1000
 ALWAYS = 0.95
 """A pair that meets in this share of the samples meets by how it is built."""
-EVERY = 20
+DROPPED_EVERY = 20
 """Samples after which pairs are left out of which the answer is known."""
 
 
@@ -91,7 +91,7 @@ def _meetings(
         pin.computeCollisions(model, data, geometry, found, q, False)
         met = [k for k in looked_at.tolist() if found.collisionResults[k].isCollision()]
         hits[np.unique(of[met])] += 1
-        if number % EVERY == 0:
+        if number % DROPPED_EVERY == 0:
             is_known = np.where(
                 are_neighbours, hits > 0, number - hits > (1 - ALWAYS) * RANDOM_POSTURES
             )

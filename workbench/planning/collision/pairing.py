@@ -14,10 +14,10 @@ from workbench.model.geometry import Bools, Floats, Ints
 from workbench.planning.collision.bodies import Body, obstacle_label, pairs_of
 from workbench.planning.kinematics.robot import Kinematics
 
-SLACK = 0.0005
+NEARER_BY = 0.0005
 """[m] What is in touch where a lift begins may come nearer by this: the lift leans."""
 
-CLEAR = 1e-6
+TOUCHING_WITHIN = 1e-6
 """[m] Bodies farther apart than this are not in touch; what touches exactly is rounded."""
 
 MOST_PAIRINGS = 16
@@ -27,10 +27,12 @@ MOST_PAIRINGS = 16
 def distances_to_keep(begins: Floats) -> Floats:
     """The distances [m] that are kept by what is this far apart (k,) [m] where a leg begins.
 
-    What is in touch may come nearer by `SLACK`.  What is clear stays so, by half at least: the rest
-    is for what states are checked apart, and measured otherwise.
+    What is in touch may come nearer by `NEARER_BY`.  What is clear stays so, by half at least: the
+    rest is for what states are checked apart, and measured otherwise.
     """
-    return np.where(begins > CLEAR, np.maximum(begins / 2, begins - SLACK), begins - SLACK)
+    return np.where(
+        begins > TOUCHING_WITHIN, np.maximum(begins / 2, begins - NEARER_BY), begins - NEARER_BY
+    )
 
 
 @dataclass(frozen=True, slots=True)

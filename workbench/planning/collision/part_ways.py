@@ -22,7 +22,7 @@ from workbench.planning.collision.distances.measuring import (
     find_nearing,
     moved_distance,
 )
-from workbench.planning.collision.hands import NOTHING
+from workbench.planning.collision.hands import NO_PAIR
 from workbench.planning.collision.pairing import distances_to_keep
 from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.unknown_rolls import Placed, place_pieces
@@ -39,7 +39,7 @@ WAY_START = 0.003
 
 The distance of two convex bodies is a convex function of the way, so what gains here gains on."""
 
-LEANS, SIDES = np.deg2rad([8.0, 16.0, 24.0, 36.0, 48.0, 60.0]), 24
+LEAN_ANGLES, LEAN_SIDES = np.deg2rad([8.0, 16.0, 24.0, 36.0, 48.0, 60.0]), 24
 """[rad] How far ways off lean, and to how many sides.  The least leads 1.4 mm away from a wall
 within the first 10 mm, from which on `near_margin` is kept to it."""
 
@@ -249,7 +249,7 @@ class PartWays:
         R = np.array(T_world_part.rotation, order="C")
         p = np.array(T_world_part.translation)[None]
         _, code = first_contact(R, p, 0.0, number, margin, fixed)
-        return None if code == NOTHING else self._label(code)
+        return None if code == NO_PAIR else self._label(code)
 
     def find_snag(self, number: int, way: Floats) -> Caught | None:
         """What holds a part back as it comes off what it lies on, at some turn nobody can exclude.
@@ -386,7 +386,9 @@ class PartWays:
 @lru_cache(maxsize=1)
 def _half_sphere() -> Floats:
     """Unit vectors (k, 3) upwards, the steepest first."""
-    lean, turn = np.meshgrid(LEANS, np.arange(SIDES) * 2 * np.pi / SIDES, indexing="ij")
+    lean, turn = np.meshgrid(
+        LEAN_ANGLES, np.arange(LEAN_SIDES) * 2 * np.pi / LEAN_SIDES, indexing="ij"
+    )
     leaning = np.sin(lean) * np.cos(turn), np.sin(lean) * np.sin(turn), np.cos(lean)
     return frozen(np.vstack([(0.0, 0.0, 1.0), np.stack(leaning, axis=-1).reshape(-1, 3)]))
 

@@ -28,7 +28,7 @@ FEWEST_TURNS, TURN_SPACING = 24, 0.001
 """A part is checked at least at this many turns; [m] the most that a point may be from where it is
 at the nearest one."""
 
-ROUND = 3e-4
+ROUND_WITHIN = 3e-4
 """[m] A cylinder that needs no more room than this around it fills the same at every turn."""
 
 Placed = tuple[tuple[Shape, pin.SE3], ...]
@@ -89,8 +89,8 @@ def _is_round(piece: Solid, room: Solid) -> bool:
     return (
         isinstance(mine, Cylinder)
         and isinstance(theirs, Cylinder)
-        and theirs.radius - mine.radius < ROUND
-        and theirs.length - mine.length < ROUND
+        and theirs.radius - mine.radius < ROUND_WITHIN
+        and theirs.length - mine.length < ROUND_WITHIN
     )
 
 

@@ -34,9 +34,9 @@ INSETS = (0.02, 0.035, 0.05, 0.07, 0.09)
 HEIGHTS = (0.0, 0.01, 0.02)
 """[m] Of the TCP above the height that serves best, one after the other."""
 
-OVER_FLAT, HIGHEST = 0.001, 0.02
+OVER_FLAT, HIGHEST_TIP = 0.001, 0.02
 """[m] Just above a part that lies flat, the hand tips those that lean on a wall or on others.
-Above `HIGHEST` it passes over most parts."""
+Above `HIGHEST_TIP` it passes over most parts."""
 
 HAND_TURNS = np.deg2rad([0.0, 90.0, 45.0, 135.0, 180.0, 270.0])
 """[rad] Of the hand about its axis, one after the other."""
@@ -51,7 +51,7 @@ room for some hundred waypoints."""
 POINT_STEP = 0.05
 """[m] From waypoint to waypoint."""
 
-ABOVE = 0.005
+ABOVE_PARTS = 0.005
 """[m] Above all parts and the margin the hand begins and ends."""
 
 MOST_STARTS = 8
@@ -116,7 +116,7 @@ def _rings(cell: Cell, scene: Scene) -> Iterator[_Rings]:
     sizes = [np.ptp(part.mesh.points, axis=0) for part in cell.parts]
     longest, narrow = max(np.linalg.norm(size) for size in sizes), min(cell.bin.size[:2])
     apart = float(max(longest / 2, LEAST_RING, narrow / (2 * MOST_RINGS)))
-    best = min(min(float(size.min()) for size in sizes) + OVER_FLAT, HIGHEST)
+    best = min(min(float(size.min()) for size in sizes) + OVER_FLAT, HIGHEST_TIP)
     for half, inset, height, turn in product(HALVES, INSETS, HEIGHTS, HAND_TURNS):
         low, high = np.array([-0.5, half[0] / 2]), np.array([0.5, half[1] / 2])
         size = np.asarray(cell.bin.size[:2])
@@ -162,7 +162,7 @@ def _stir_path(world: World, arm: Arm, rings: _Rings, top: float, seed: int) -> 
     R = pose_from_rpy((0.0, 0.0, 0.0), (math.pi, 0.0, rings.turn)).rotation
     inside = [np.array([*corner, rings.height]) for corner in rings.corners]
     over = [
-        np.array([*point[:2], top + world.policy.margin + ABOVE])
+        np.array([*point[:2], top + world.policy.margin + ABOVE_PARTS])
         for point in (inside[0], inside[-1])
     ]
     points = [over[0], *inside, over[1]]

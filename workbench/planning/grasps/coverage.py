@@ -19,7 +19,7 @@ from workbench.model.messages.work import ProgressText
 from workbench.model.part import Grasp, Part, widen_grasp
 from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
 from workbench.planning.grasps.grasp_trial import Trial
-from workbench.planning.grasps.part_rays import NOTHING, first_hits, normals_of
+from workbench.planning.grasps.part_rays import NO_TRIANGLE, first_hits, normals_of
 from workbench.planning.grasps.resting import ways_to_lie
 from workbench.planning.kinematics.quickness import tool_acceleration
 
@@ -219,7 +219,7 @@ def _top(part: Part, up: Floats) -> tuple[Floats, Floats]:
     far = 2 * float(np.linalg.norm(np.ptp(part.mesh.points, axis=0)))
     start = middle + far * up
     distances, met = first_hits(part.mesh, start[None], -up[None])
-    if met[0] == NOTHING:
+    if met[0] == NO_TRIANGLE:
         # Through a gap or beside: the face that shows most of itself instead.
         normals, areas = normals_of(part.mesh)
         most = int(np.argmax(areas * (normals @ up)))
@@ -227,7 +227,7 @@ def _top(part: Part, up: Floats) -> tuple[Floats, Floats]:
     return start - distances[0] * up, normals_of(part.mesh)[0][met[0]]
 
 
-TRIED = 12
+SUGGESTIONS_TRIED = 12
 """Suggestions that are tried where a grasp is missing."""
 
 
@@ -249,7 +249,7 @@ def _best_suggestion(
             of_tool[arm.tool.name],
             key=lambda suggestion: float(suggestion.grasp.T_part_tcp.rotation[:, 2] @ up),
         )
-        for suggestion in found[:TRIED]:
+        for suggestion in found[:SUGGESTIONS_TRIED]:
             if cancelled():
                 return best
             usable = np.arange(len(trial.cell.arms))[None] == a

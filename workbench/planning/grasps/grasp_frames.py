@@ -8,7 +8,7 @@ import pinocchio as pin
 from workbench.model.geometry import Floats, Mesh
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.pads import outline
-from workbench.planning.grasps.part_rays import NOTHING, first_hits, nearest_points, normals_of
+from workbench.planning.grasps.part_rays import NO_TRIANGLE, first_hits, nearest_points, normals_of
 
 BEYOND = 0.003
 """[m] Finger tips go this much beyond the middle of what they hold: pads, not tips, touch it."""
@@ -90,7 +90,7 @@ def snap_to_surface(checker: GraspChecker, T_part_tcp: pin.SE3) -> pin.SE3:
     far = float(np.linalg.norm(mesh.points - origin, axis=1).max()) * 1.01
     start = origin - far * z
     distances, met = first_hits(mesh, start[None], z[None])
-    if met[0] == NOTHING:
+    if met[0] == NO_TRIANGLE:
         points, _, met = nearest_points(mesh, origin[None])
         point = points[0]
     else:

@@ -26,7 +26,7 @@ from workbench.planning.grasps.grasp_frames import (
 )
 from workbench.planning.grasps.pads import Pads
 from workbench.planning.grasps.part_rays import (
-    NOTHING,
+    NO_TRIANGLE,
     centre_of_mass,
     first_hits,
     normals_of,
@@ -37,10 +37,10 @@ from workbench.planning.grasps.part_symmetry import TURNS_TRIED
 SURFACE_POINTS = 400
 """Points on the surface."""
 
-SIDES = 8
+APPROACH_SIDES = 8
 """Directions from which the hand may come to two points."""
 
-LOOKS = 400
+MOST_CHECKED = 400
 """Grasps that are checked closely, at most."""
 
 ALIKE_DISTANCE = 0.12
@@ -52,7 +52,7 @@ ALIKE_TURN = np.deg2rad(30.0)
 PAD = 50e-6
 """[m2] A pad that touches more holds no better."""
 
-ROOM = 0.004
+WIDEST_AIR = 0.004
 """[m] More room between the open tool and the part is no better."""
 
 SURFACES = 5
@@ -126,7 +126,7 @@ def suggest(
     found: list[Suggestion] = []
     looks = 0
     for idea in sorted(ideas, key=lambda idea: -idea.promise):
-        if len(found) == most or looks == LOOKS:
+        if len(found) == most or looks == MOST_CHECKED:
             break
         if kept.has_like(idea.T_part_tcp):
             continue
@@ -148,9 +148,12 @@ def _opposite(checker: GraspChecker, pads: Pads, rng: np.random.Generator) -> li
     size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     fingers = max(palm_distance(checker), THINNEST)
     # One row for each pair of points and each side.
-    z = sides(inward, SIDES).reshape(-1, 3)
-    y, middles = np.repeat(inward, SIDES, axis=0), np.repeat(middles, SIDES, axis=0)
-    angles, levers = np.repeat(angles, SIDES), np.repeat(levers, SIDES)
+    z = sides(inward, APPROACH_SIDES).reshape(-1, 3)
+    y, middles = (
+        np.repeat(inward, APPROACH_SIDES, axis=0),
+        np.repeat(middles, APPROACH_SIDES, axis=0),
+    )
+    angles, levers = np.repeat(angles, APPROACH_SIDES), np.repeat(levers, APPROACH_SIDES)
     over, below = thickness(mesh, middles, -z), thickness(mesh, middles, z)
     promise = 1.0 - angles / FRICTION - 2 * levers / size - 0.3 * over / fingers
     # Fingers mostly travel along y of the TCP; where they do not, the hand is turned by as much.
@@ -181,10 +184,10 @@ def opposite_points(
         step, met = first_hits(mesh, points + (widths + 1e-6)[:, None] * inward, inward)
         widths = widths + 1e-6 + step
         facing = np.clip(np.einsum("ij,ij->i", inward, normals[met]), -1.0, 1.0)
-        angles = np.where(met == NOTHING, np.pi, np.arccos(facing))
+        angles = np.where(met == NO_TRIANGLE, np.pi, np.arccos(facing))
         fits = (widths > max(low, THINNEST)) & (widths < high) & (angles < FRICTION)
         found.append((points[fits], inward[fits], widths[fits], angles[fits]))
-        on = (met != NOTHING) & (widths < high)
+        on = (met != NO_TRIANGLE) & (widths < high)
         points, inward, widths = points[on], inward[on], widths[on]
     points, inward, widths, angles = (np.concatenate(column) for column in zip(*found, strict=True))
     return points, inward, widths, angles
@@ -212,7 +215,7 @@ def _even(checker: GraspChecker, rng: np.random.Generator) -> list[_Idea]:
     outward = np.vstack([flat_normals, normals[triangles]])
     size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     levers = np.linalg.norm(np.cross(centre_of_mass(mesh) - points, outward), axis=1)
-    x = sides(outward, SIDES)[:, 0]
+    x = sides(outward, APPROACH_SIDES)[:, 0]
     R = np.stack([x, np.cross(-outward, x), -outward], axis=2)
     return [
         _Idea(pin.SE3(R[k], points[k]), 1.0 - 2 * lever / size, 0.0, lever)
@@ -265,7 +268,7 @@ def _looked_at(
     if check.hold is None:
         return Suggestion(grasp, 0.3 + 0.7 * near, idea.angle, idea.lever, check)
     angle = max(check.hold.slants)
-    room = min(max(check.clearance, 0.0) / ROOM, 1.0)
+    room = min(max(check.clearance, 0.0) / WIDEST_AIR, 1.0)
     area = min(min(check.hold.areas) / PAD, 1.0)
     score = 0.35 * (1 - angle / FRICTION) + 0.3 * near + 0.15 * room + 0.2 * area
     return Suggestion(grasp, score, angle, idea.lever, check)

@@ -17,7 +17,7 @@ from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.model.part import Grasp, Part, widen_grasp
 from workbench.model.scan import Detection
-from workbench.planning.collision.hands import NOTHING, Hands
+from workbench.planning.collision.hands import NO_PAIR, Hands
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.grasp_suggestions import opposite_points, sides
@@ -83,7 +83,7 @@ class Grips:
             np.ascontiguousarray(p + R @ T.translation),
             np.column_stack([np.minimum(closed + 2 * AIR + self._room, high), closed]),
             np.zeros(len(p), np.int64),
-            np.full((len(p), 2), NOTHING),
+            np.full((len(p), 2), NO_PAIR),
         )
         self._known: dict[int, Grasp | None] = {}
         self._remarks: dict[int, int] = {}

@@ -13,10 +13,10 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints, Mesh
 
-NOTHING = -1
+NO_TRIANGLE = -1
 """The triangle that a ray without a hit met."""
 
-GROUP = 24
+TRIANGLES_A_SPHERE = 24
 """Neighbouring triangles that one sphere stands for when the nearest point is searched for."""
 
 ROUNDING = 1e-12
@@ -85,7 +85,7 @@ def first_hits(mesh: Mesh, origins: Floats, directions: Floats) -> tuple[Floats,
         directions: (n, 3), unit.
 
     Returns:
-        Distances (n,) [m], infinite without a hit, and triangles (n,), `NOTHING` without one.
+        Distances (n,) [m], infinite without a hit, and triangles (n,), `NO_TRIANGLE` without one.
     """
     return _first_hits(
         np.asarray(mesh.points),
@@ -107,11 +107,11 @@ class MeshSurface:
 
         solid = np.flatnonzero(normals_of(mesh)[1] > 0)
         corners = mesh.points[mesh.triangles[solid]]
-        order = KDTree(corners.mean(axis=1), leafsize=GROUP).indices
+        order = KDTree(corners.mean(axis=1), leafsize=TRIANGLES_A_SPHERE).indices
         self._numbers = solid[order]
         self._corners = np.ascontiguousarray(corners[order])
         centres, radii = _spheres(self._corners)
-        starts = np.arange(0, len(order), GROUP)
+        starts = np.arange(0, len(order), TRIANGLES_A_SPHERE)
         ends = np.append(starts[1:], len(order))
         groups = [
             _sphere_around(centres[i:k], radii[i:k]) for i, k in zip(starts, ends, strict=True)
@@ -176,8 +176,8 @@ def _tops(
 ) -> tuple[Floats, Ints]:
     rows, columns = limits.shape
     below, above = np.full((rows, columns), -np.inf), np.full((rows, columns), np.inf)
-    at_below = np.full((rows, columns), NOTHING)
-    at_above = np.full((rows, columns), NOTHING)
+    at_below = np.full((rows, columns), NO_TRIANGLE)
+    at_above = np.full((rows, columns), NO_TRIANGLE)
     leaves = np.zeros((rows, columns), np.bool_)
     for t in range(len(triangles)):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
@@ -210,7 +210,7 @@ def _tops(
         for k in range(columns):
             if leaves[i, k]:
                 below[i, k], at_below[i, k] = above[i, k], at_above[i, k]
-            if at_below[i, k] == NOTHING:
+            if at_below[i, k] == NO_TRIANGLE:
                 below[i, k] = np.nan
     return below, at_below
 
@@ -221,7 +221,7 @@ def _first_hits(
 ) -> tuple[Floats, Ints]:
     """Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997)."""
     distances = np.full(len(origins), np.inf)
-    met = np.full(len(origins), NOTHING)
+    met = np.full(len(origins), NO_TRIANGLE)
     for t in range(len(triangles)):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         ex, ey, ez = P[b, 0] - P[a, 0], P[b, 1] - P[a, 1], P[b, 2] - P[a, 2]
@@ -257,7 +257,7 @@ def _nearest(
     points: Floats,
 ) -> tuple[Floats, Floats, Ints]:
     found, distances = np.empty((len(points), 3)), np.full(len(points), np.inf)
-    triangles = np.full(len(points), NOTHING)
+    triangles = np.full(len(points), NO_TRIANGLE)
     least = np.empty(len(middles))
     for n in range(len(points)):
         for g in range(len(middles)):
@@ -304,7 +304,7 @@ def _nearest_of(
 ) -> None:
     """Take over what is nearer, or as near with a lower number, among one group of triangles."""
     q = np.empty(3)
-    for t in range(group * GROUP, min((group + 1) * GROUP, len(corners))):
+    for t in range(group * TRIANGLES_A_SPHERE, min((group + 1) * TRIANGLES_A_SPHERE, len(corners))):
         if _apart(centres[t], point) > distance[0] + radii[t] + ROUNDING:
             continue
         _on_triangle(corners[t], point, q)

@@ -10,7 +10,7 @@ from workbench.model.geometry import Floats, Mesh
 from workbench.model.symmetry import Symmetry, SymmetryAxis, turn_about
 from workbench.planning.grasps.part_rays import MeshSurface, normals_of, samples_of
 
-TOLERANCE = 0.004
+SAME_SURFACE_SHARE = 0.004
 """Share of the part's diameter by which the turned surface may differ from the unturned one."""
 
 LEAST_TOLERANCE = 0.0001
@@ -22,10 +22,10 @@ EXACT = 0.1
 MOST_FOLD = 24
 """A part that has more turns is round except for the facets of its mesh."""
 
-ROUND = (0.21, 0.83, 1.47, 2.19, 2.71)
+ROUND_TURNS = (0.21, 0.83, 1.47, 2.19, 2.71)
 """[rad] No fold contains all of these turns: a part that looks the same after each is round."""
 
-FEW, MANY = 40, 800
+FIRST_PAIRS, ALL_PAIRS = 40, 800
 """Pairs of points with which a guess is tried first, and for which it has to hold."""
 
 MOST_WORK = 2e7
@@ -43,7 +43,7 @@ TURNS_TRIED = 36
 SMALL = 0.05
 """Cosine below which an axis is across another."""
 
-FINE, HALVINGS = float(np.deg2rad(0.5)), 6
+AXIS_STEP, MOST_HALVINGS = float(np.deg2rad(0.5)), 6
 """[rad] Steps in which half turns across an axis are tried, and how often they are halved."""
 
 MARGIN = 1.5
@@ -120,12 +120,12 @@ def _across(itself: "_TurnedSurface", symmetry: Symmetry) -> list[tuple[Symmetry
         return np.array(turn_about(symmetry.axis, angle) @ first)
 
     def off(angle: float) -> float:
-        return itself.deviation(turn_about(turn_by(angle), np.pi), itself.centre, FEW)
+        return itself.deviation(turn_about(turn_by(angle), np.pi), itself.centre, FIRST_PAIRS)
 
-    best, step = 0.0, FINE
+    best, step = 0.0, AXIS_STEP
     if symmetry.fold:
         best = min(np.arange(0.0, np.pi / symmetry.fold, step), key=off)
-    for _ in range(HALVINGS):
+    for _ in range(MOST_HALVINGS):
         step /= 2
         best = min((best, best - step, best + step), key=off)
     axis = turn_by(best)
@@ -135,7 +135,9 @@ def _across(itself: "_TurnedSurface", symmetry: Symmetry) -> list[tuple[Symmetry
 
 def tolerance_of(mesh: Mesh) -> float:
     """[m] A turned surface that lies no further from itself is the same."""
-    return max(TOLERANCE * float(np.linalg.norm(np.ptp(mesh.points, axis=0))), LEAST_TOLERANCE)
+    return max(
+        SAME_SURFACE_SHARE * float(np.linalg.norm(np.ptp(mesh.points, axis=0))), LEAST_TOLERANCE
+    )
 
 
 class _TurnedSurface:
@@ -148,12 +150,12 @@ class _TurnedSurface:
         corners = mesh.points[mesh.triangles]
         self.centre = areas @ corners.mean(axis=1) / areas.sum()
         self.tolerance = tolerance_of(mesh)
-        self._many = int(np.clip(MOST_WORK / len(mesh.triangles), FEW, MANY))
+        self._many = int(np.clip(MOST_WORK / len(mesh.triangles), FIRST_PAIRS, ALL_PAIRS))
         rng = np.random.default_rng(0)
-        samples, _ = samples_of(mesh, MANY, rng)
+        samples, _ = samples_of(mesh, ALL_PAIRS, rng)
         # Corners show what stands out, however small.
         used = np.unique(mesh.triangles)
-        chosen = rng.permutation(used)[:MANY]
+        chosen = rng.permutation(used)[:ALL_PAIRS]
         self._points = np.vstack([samples, mesh.points[chosen]])
         self._points = self._points[rng.permutation(len(self._points))]
 
@@ -169,7 +171,7 @@ class _TurnedSurface:
 
     def fold(self, axis: Floats) -> tuple[int, float]:
         """The number of turns about the centre, 0 for any, 1 for none, and their deviation [m]."""
-        is_round, deviation = self.holds(axis, ROUND)
+        is_round, deviation = self.holds(axis, ROUND_TURNS)
         if is_round:
             return 0, deviation
         found = [
@@ -185,7 +187,7 @@ class _TurnedSurface:
     def holds(self, axis: Floats, angles: tuple[float, ...]) -> tuple[bool, float]:
         """Whether some turns [rad] about the centre leave the surface, and their deviation [m]."""
         worst = 0.0
-        for count in (FEW, self._many):
+        for count in (FIRST_PAIRS, self._many):
             for angle in angles:
                 worst = max(worst, self.deviation(pin.exp3(axis * angle), self.centre, count))
                 if worst > self.tolerance:

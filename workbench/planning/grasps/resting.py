@@ -12,7 +12,7 @@ from workbench.model.symmetry import Symmetry
 STEADY = np.deg2rad(12.0)
 """[rad] So far a part may be tilted before it falls over; the proof asks for a little less."""
 
-FLAT = 2e-4
+COPLANAR_WITHIN = 2e-4
 """[m] Corners of the hull no farther than this from a plane lie in it."""
 
 VERTICAL_TURNS = 12
@@ -22,11 +22,11 @@ SAME_POSE = 2e-4
 """[m, no unit] Poses whose numbers differ by less are one."""
 
 
-ALONG = np.deg2rad(10.0)
+SAME_VERTICAL = np.deg2rad(10.0)
 """[rad] Ways to lie whose verticals differ by less are one: a round part rolls from one to the
 next."""
 
-COUNTED = 0.95
+COUNTED_SHARE = 0.95
 """Share of all drops after which ways to lie are left out: edges on which a part hardly stands."""
 
 
@@ -50,14 +50,14 @@ def ways_to_lie(part: Part) -> tuple[Floats, Floats]:
     # The digits behind these depend on the processor.
     for k in np.lexsort((*np.round(poses[:, 2, :3], 3).T, -np.round(shares, 6))).tolist():
         up = poses[k, 2, :3]
-        near = [n for n, other in enumerate(ups) if up @ other > np.cos(ALONG)]
+        near = [n for n, other in enumerate(ups) if up @ other > np.cos(SAME_VERTICAL)]
         if near:
             often[near[0]] += float(shares[k])
         else:
             ups.append(up)
             often.append(float(shares[k]))
     order = np.argsort(-np.round(often, 6), kind="stable")
-    chosen = order[: int(np.searchsorted(np.cumsum(np.array(often)[order]), COUNTED)) + 1]
+    chosen = order[: int(np.searchsorted(np.cumsum(np.array(often)[order]), COUNTED_SHARE)) + 1]
     share = np.array(often)[chosen]
     return np.array(ups)[chosen], share / share.sum()
 
@@ -106,7 +106,9 @@ def _stands(part: Part) -> list[tuple[Floats, float, float]]:
         if any(normal @ known > 1.0 - SAME_POSE for known, _, _ in found):
             continue
         height = float(offset - normal @ centre)
-        face = (corners[corners @ normal >= offset - FLAT] - centre) @ _upright(normal)[:2].T
+        face = (corners[corners @ normal >= offset - COPLANAR_WITHIN] - centre) @ _upright(normal)[
+            :2
+        ].T
         steady = _tilt(face, height)
         if steady >= STEADY:
             found.append((normal, float(offset), steady))

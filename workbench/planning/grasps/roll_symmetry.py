@@ -24,7 +24,7 @@ from workbench.planning.collision.unknown_rolls import axis_of, room_of, turns_a
 from workbench.planning.grasps.grasp_check import FRICTION, ROUNDING, GraspChecker
 from workbench.planning.grasps.pads import PadContact
 
-DIGITS = 7
+HAND_DIGITS = 7
 """Decimals [m] by which hands are distinguished: what differs less is checked once."""
 
 
@@ -63,7 +63,7 @@ def _uneven(part: Part, axis: bytes, arm: Arm, grasp: Grasp) -> tuple[Uneven | N
             note = VerdictNote.CUTS_INTO(closed=closed, body=at, depth=-depth)
             found.append(Uneven(note, -depth))
             continue
-        key = (np.round(_without_turn(line, T).homogeneous, DIGITS)[:3] + 0.0).tobytes()
+        key = (np.round(_without_turn(line, T).homogeneous, HAND_DIGITS)[:3] + 0.0).tobytes()
         found.append(
             _compare_holds(part, arm.tool, axis, key, grasp.opening, grasp.approach_length)
         )

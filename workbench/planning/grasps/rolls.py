@@ -10,7 +10,7 @@ from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Grasp, Part
 from workbench.model.scan import Detection
 from workbench.planning.collision.bodies import part_label, tool_shapes
-from workbench.planning.collision.hands import NOTHING, closed_press, cut_of, turns_of
+from workbench.planning.collision.hands import NO_PAIR, closed_press, cut_of, turns_of
 from workbench.planning.collision.legs import grips
 from workbench.planning.collision.tool_check import Fit, ToolCheck
 from workbench.planning.grasps.roll_symmetry import uneven
@@ -89,4 +89,4 @@ def _cuts(part: Part, arm: Arm, grasp: Grasp, fit: Fit) -> bool:
     opening, press = fit.opening, 0.0
     if fit.is_closed or not arm.tool.fingers:
         opening, press = grasp.grip if arm.tool.fingers else 0.0, closed_press(arm.tool, part)
-    return cut_of(arm.tool, part.pieces, T, opening, press, 0.0) != NOTHING
+    return cut_of(arm.tool, part.pieces, T, opening, press, 0.0) != NO_PAIR

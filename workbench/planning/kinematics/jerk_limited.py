@@ -31,7 +31,7 @@ STANDSTILL = 0.001
 UNLIMITED = 1e18
 """What the parameter may do where no joint moves that has a limit."""
 
-HALVINGS = 50
+MOST_HALVINGS = 50
 """Of an interval in which a share is searched for."""
 
 
@@ -71,7 +71,7 @@ def jerk_limited(
         ends = shares[k], shares[k + 1]
         straight = _straight(full[k], across[k], across[k + 1], ends[0], ends[1])
         low, high = max(ends[0], ends[1]), 1.0
-        for _ in range(HALVINGS):
+        for _ in range(MOST_HALVINGS):
             middle = (low + high) / 2.0
             if _needed_share(full[k], along[k], ends[0], ends[1], middle) <= straight:
                 low = middle
@@ -129,7 +129,7 @@ def _within_zones(full: Floats, across: Floats, zone: float) -> Floats:
         quick, low, high = max(full[k - 1], full[k]), 0.0, 1.0
         if _blend_share(quick, across[k], high) <= zone:
             low = high
-        for _ in range(HALVINGS):
+        for _ in range(MOST_HALVINGS):
             middle = (low + high) / 2.0
             if _blend_share(quick, across[k], middle) <= zone:
                 low = middle
@@ -151,7 +151,7 @@ def _fastest(
     low, high = min(most, other), most
     if low == high:
         return most
-    for trial in range(HALVINGS):
+    for trial in range(MOST_HALVINGS):
         middle = high if trial == 0 else (low + high) / 2.0
         straight = _straight(full, here, there, middle, other)
         if _needed_share(full, along, other, middle, middle) <= straight:

@@ -17,7 +17,7 @@ from workbench.model.part import Part
 from workbench.model.scan import Detection
 from workbench.planning.kinematics.chain import Chain, forward
 
-FINE = 0.0005
+NOT_HALVED_BELOW = 0.0005
 """[rad] Sets that may tilt a part by less than this are not halved: the proof allows more."""
 
 HALVES = 64
@@ -26,7 +26,7 @@ HALVES = 64
 WITHIN = 0.8
 """Share of the limit to which a part that is tilted too far is turned back."""
 
-TRIES = 12
+MOST_TRIES = 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +45,7 @@ class UprightLimit:
         chain, q = self.chain, q.copy()
         n = len(q)
         R, p, z, o = np.empty((3, 3)), np.empty(3), np.empty((n, 3)), np.empty((n, 3))
-        for _ in range(TRIES):
+        for _ in range(MOST_TRIES):
             forward(*chain.arrays[:4], q, R, p, z, o)
             x, y, up = R @ self.axis
             tilt = float(np.arctan2(np.hypot(x, y), up))
@@ -139,7 +139,7 @@ def _find_tilted(
             # What is no number is not upright.
             if not tilt <= most:
                 return k
-            if tilt + turned <= most or turned <= FINE:
+            if tilt + turned <= most or turned <= NOT_HALVED_BELOW:
                 continue
             if open_sets + 2 > HALVES:
                 return k

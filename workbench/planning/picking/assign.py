@@ -28,7 +28,7 @@ GRASPS_PER_ARM = 3
 WOVEN = 2
 """Pairs of them that are planned, of which the quicker is taken."""
 
-TRIED = 4
+PICKS_TRIED = 4
 """Of picks of the same parts by the same arms this many are tried until enough can be planned."""
 
 GOOD_ENOUGH_RATIO = 1.15
@@ -169,7 +169,7 @@ def _plan_picks(
     best: tuple[Plan, ...] = ()
     refusal: Verdict | None = None
     tried = 0
-    for pair in islice(_alike(request, assigned, is_free=is_free), TRIED):
+    for pair in islice(_alike(request, assigned, is_free=is_free), PICKS_TRIED):
         if cancelled():
             raise JobCancelled(CancelText.PLANNING())
         found = _route(request, chosen, pair, is_free=is_free)

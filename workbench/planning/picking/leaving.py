@@ -15,7 +15,7 @@ from workbench.planning.collision.world import World
 CLOSING = 0.001
 """[m] Fingers that close are checked this often; they are thicker."""
 
-ROOM = 0.0005
+SPARE_MARGIN = 0.0005
 """[m] By so much more than its margin a hand has to be away from a part to have left it.  Fingers
 slide along parts at a distance that may just be the margin."""
 
@@ -80,9 +80,9 @@ def is_around(world: World, arm: Arm, phase: LegPhase, q: Floats) -> bool:
 def _first_clear(
     world: World, pairs: Ints, columns: Ints, base: Floats, path: Floats
 ) -> tuple[int, Contact | None]:
-    """The first waypoint at which pairs are clear by `ROOM`; the last one, with what is not."""
+    """The first waypoint with pairs clear by `SPARE_MARGIN`; the last one, with what is not."""
     whole, contact = base.copy(), None
-    with world.at_full_margins(ROOM):
+    with world.at_full_margins(SPARE_MARGIN):
         for number, q in enumerate(path):
             whole[columns] = q
             contact = world.contact(whole, pairs)

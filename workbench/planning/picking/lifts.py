@@ -31,12 +31,12 @@ from workbench.planning.collision.world import World
 AUTHORED = "as authored"
 """The way of a grasp that says how the part is taken out."""
 
-SIDES = 12
+LEAN_SIDES = 12
 
 MOST_CLEAR = 6
 """Lifts that are tried with the arm; where many are clear, the first of them do."""
 
-STEEPEST = np.cos(np.deg2rad(60.0))
+LIFT_COSINE = np.cos(np.deg2rad(60.0))
 """The way back out is a lift when it rises at least like this."""
 
 SAME_DIRECTION = np.cos(np.deg2rad(4.0))
@@ -161,13 +161,13 @@ def _directions(
             yield up
         case "back":
             back = -(candidate.T_world_tcp.rotation @ candidate.grasp.approach)
-            if back @ up >= STEEPEST:
+            if back @ up >= LIFT_COSINE:
                 yield back
         case "off-wall":
             away = R @ _from_wall(bin, T_world_tcp)
             yield _leaning(up, away, policy.lift_lean) if bin.has_walls else up
         case "around":
-            angles = np.arange(SIDES) * 2 * np.pi / SIDES
+            angles = np.arange(LEAN_SIDES) * 2 * np.pi / LEAN_SIDES
             for lean, angle in product((policy.lift_lean, policy.lift_lean / 2), angles):
                 side = R @ np.array([np.cos(angle), np.sin(angle), 0.0])
                 yield _leaning(up, side, lean)

@@ -36,7 +36,7 @@ OPENINGS = (2, 4, 6, 8, 10, 12)
 MOVES = (20, 40, 60, 80, 100, 150, 200, 300, 400)
 """[mm] by which the bin, with all that lies in it, may lie elsewhere along one axis."""
 
-SHOWN = FixText.ROLL()
+ROLL_CHANGE = FixText.ROLL()
 """The change that admits what works for parts as they were found, but not for every roll."""
 
 LEAST_AIR = 0.001
@@ -52,7 +52,7 @@ class Fix:
 
     `change` is the message about it.  Of one of the grasp `grasp` is the candidate's as it was
     tried, of one of the cell's policy `policy` the cell's; both are None where nothing here can
-    make it: `SHOWN`.
+    make it: `ROLL_CHANGE`.
     """
 
     candidate: Candidate
@@ -186,7 +186,7 @@ class Fixes:
         self._policies: dict[Message, Policy] = {}
         self._rolls: dict[Message, tuple[Detection, ...]] = {}
         if not all(detection.roll_known for detection in detections):
-            self._rolls[SHOWN] = tuple(
+            self._rolls[ROLL_CHANGE] = tuple(
                 replace(detection, roll_known=True, roll_axis=None) for detection in detections
             )
         self._of_lifts: list[Message] = []

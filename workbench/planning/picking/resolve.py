@@ -40,7 +40,7 @@ from workbench.planning.picking.put_down import (
 )
 from workbench.planning.placing.assembling import arm_placing
 
-TRIES = 3
+CONFIGURATIONS_TRIED = 3
 """Grasp configurations of one candidate that are followed to the end."""
 
 SAME_SOLUTION = np.deg2rad(5.0)
@@ -49,7 +49,7 @@ SAME_SOLUTION = np.deg2rad(5.0)
 MOST_CLEAR = 8
 """Clear configurations that are enough to choose from: those that are reached soonest."""
 
-CLOSE, DETOUR = 0.01, 0.1
+SMALL_ROOM, EXTRA_TIME = 0.01, 0.1
 """[m, s] Less room than this counts like up to so much extra time."""
 
 
@@ -89,7 +89,7 @@ def _find_best(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
     solutions, refusal = _grasp_solutions(world, candidate, arm, hands, seed)
     solutions, near, nowhere = _that_can_be_put(world, candidate, arm, solutions, seed)
     best = nowhere or refusal
-    for q_grasp, T_world_tcp, clearance in solutions[:TRIES]:
+    for q_grasp, T_world_tcp, clearance in solutions[:CONFIGURATIONS_TRIED]:
         at = near.get(T_world_tcp.homogeneous.tobytes())
         result = _complete(world, candidate, arm, q_grasp, T_world_tcp, room=clearance, near=at)
         if isinstance(result, Pick):
@@ -196,13 +196,13 @@ def _grasp_solutions(
     refusal: Verdict | None = None
     for k in sorted(range(len(found)), key=times.__getitem__):
         q, T_world_tcp = found[k]
-        contact, room = world.worst(world.configuration({arm.name: q}), reach=CLOSE)
+        contact, room = world.worst(world.configuration({arm.name: q}), reach=SMALL_ROOM)
         if contact is not None and room < 0:
             verdict = _refuse(Reason.IN_COLLISION, Stage.GRASP, contact, q)
             if refusal is None or (verdict.distance or 0) > (refusal.distance or 0):
                 refusal = verdict
             continue
-        clear.append((times[k] + DETOUR * (1.0 - room / CLOSE), q, T_world_tcp, room))
+        clear.append((times[k] + EXTRA_TIME * (1.0 - room / SMALL_ROOM), q, T_world_tcp, room))
         if len(clear) == MOST_CLEAR:
             break
     clear.sort(key=lambda entry: entry[0])

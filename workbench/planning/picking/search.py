@@ -29,11 +29,11 @@ from workbench.planning.planners.shorten import (
 )
 from workbench.plugins.planner import EdgeCheck, Planner, planner_named
 
-FINE = 0.0001
+LAST_RESOLUTION = 0.0001
 """[m] The resolution of the last look at a path, whose corners have been moved up to what they
 would touch: five times finer than that of the proof, which looks at other configurations."""
 
-TRIES = 3
+PATHS_TRIED = 3
 """Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
 
 
@@ -115,7 +115,7 @@ def search_path(
     is_clear = edge_check(query.check, query.deadline, query.edges)
     met: tuple[Contact | None, Floats] | None = None
     try:
-        for number in range(TRIES + 1):
+        for number in range(PATHS_TRIED + 1):
             path = np.array([start, goal])  # straight ahead first
             if number:
                 search = query.planner or planner_named(policy.planner)
@@ -174,7 +174,7 @@ def curve_check(world: World, columns: Ints, base: Floats) -> Check:
     """Whether motions of the joints `columns` (n,) are clear, others at `base` (nq,) [rad, m]."""
 
     def check(curves: Curves) -> tuple[Contact | None, Floats] | None:
-        found = chain_contact(world, columns, base, curves, FINE)
+        found = chain_contact(world, columns, base, curves, LAST_RESOLUTION)
         return None if found is None else found[:2]
 
     return check

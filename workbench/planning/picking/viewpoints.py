@@ -18,7 +18,7 @@ from workbench.planning.kinematics.inverse import configurations
 TILT = np.deg2rad(30.0)
 """[rad] Largest tilt of the tool from straight down."""
 
-LOWEST, HIGHEST = 0.12, 0.26
+LOWEST_POINT, HIGHEST_POINT = 0.12, 0.26
 """[m] Height of what is shown above the rim of the bin."""
 
 ASIDE = 0.03
@@ -30,7 +30,7 @@ NEARER, FARTHER = 0.7, 1.1
 RANGE_MARGIN = 0.06
 """[m] From the ends of the scanner's range, half of what is shown."""
 
-TRIES = 40
+POSES_TRIED = 40
 """Poses that are tried for each one that is wanted."""
 
 IK_STARTS = 16
@@ -70,7 +70,7 @@ def sample_configurations(
     world.enter(LegPhase(frozenset(each_arm.name for each_arm in cell.arms)))
     chain = world.chains[arm.name]
     found: list[tuple[Floats, Floats]] = []
-    for _ in range(count * TRIES):
+    for _ in range(count * POSES_TRIED):
         T_world_tcp = draw(rng)
         starts = np.vstack(
             [arm.home, rng.uniform(chain.lower, chain.upper, (IK_STARTS, len(arm.home)))]
@@ -100,7 +100,7 @@ def showing_poses(cell: Cell, T_tcp_shown: pin.SE3, aside: float) -> Draw:
     forward = axis.rotation[:, 2]
 
     def draw(rng: np.random.Generator) -> pin.SE3:
-        height = float(cell.bin.size[2]) + rng.uniform(LOWEST, HIGHEST)
+        height = float(cell.bin.size[2]) + rng.uniform(LOWEST_POINT, HIGHEST_POINT)
         above = T.act(np.array([0.0, 0.0, height]))
         # On the scanner's axis, at that height.
         along = float(forward @ (above - axis.translation))

@@ -51,7 +51,7 @@ class Move:
         return self.after[0] >= self.after[1]
 
 
-EVERY = tuple(
+ALL_MOVES = tuple(
     Move((first, second), moves)
     for first in range(COUNT, -1, -1)
     for second in range(COUNT, -1, -1)
@@ -136,13 +136,15 @@ def interleave(world: World, plan: Plan, *, freely: bool) -> tuple[Plan, ...]:
         Plans that no proof has seen yet, and the given one last; that alone where nothing is won.
     """
     first, second = plan.arms
-    in_turn = tuple(move for move in EVERY if move.is_sequential)
+    in_turn = tuple(move for move in ALL_MOVES if move.is_sequential)
     # The plan was made so that its own steps are possible.
     weave = Weave(world, (first, second), {m: True for m in in_turn if not all(m.moves)})
     ways = [weave.quickest(in_turn)]
     if freely:
         has_pairs = any(part.library.pairs for part in world.cell.parts)
-        ways.insert(0, weave.quickest(tuple(m for m in EVERY if m.keeps_order or not has_pairs)))
+        ways.insert(
+            0, weave.quickest(tuple(m for m in ALL_MOVES if m.keeps_order or not has_pairs))
+        )
     found = [plan]
     for moves in reversed(ways):
         if moves and weave.seconds(moves) < found[0].cycle_seconds - WON:

@@ -14,7 +14,7 @@ from workbench.model.geometry import Floats, Mesh, frozen, put
 from workbench.planning.grasps.grasp_check import FRICTION, GraspChecker
 from workbench.planning.grasps.part_rays import normals_of
 
-TRIED = float(np.deg2rad(2.0))
+TURN_TRIED = float(np.deg2rad(2.0))
 """[rad] Turns by which it is tried what the fingers meet."""
 
 LYING_DIRECTIONS = 6
@@ -35,7 +35,7 @@ PLAY, ALIGNED = 1e-4, float(np.deg2rad(0.5))
 """[m] Deviation along the travel of what is gripped, and [rad] about axes about which it was turned
 flat: friction holds the last of it."""
 
-LEVEL = np.array([0.0, 0.0, 1.0])
+UPWARDS = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,16 +122,18 @@ class _Felt:
         """By how much the middle of what is between the fingers is off, for each error (6,)."""
         found = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
         for k in (0, 2):
-            forward, backward = (self._hold(np.eye(3)[k], angle) for angle in (TRIED, -TRIED))
+            forward, backward = (
+                self._hold(np.eye(3)[k], angle) for angle in (TURN_TRIED, -TURN_TRIED)
+            )
             if forward is not None and backward is not None:
-                found[3 + k] = (forward[1] - backward[1]) / (2 * TRIED)
+                found[3 + k] = (forward[1] - backward[1]) / (2 * TURN_TRIED)
         return found
 
     def _length(self, axis: Floats) -> float:
         """How much wider [m/rad] a turn about an axis makes what is between the fingers."""
         assert self.width is not None
-        holds = [self._hold(axis, angle) for angle in (TRIED, -TRIED)]
-        return min(0.0 if hold is None else (hold[0] - self.width) / TRIED for hold in holds)
+        holds = [self._hold(axis, angle) for angle in (TURN_TRIED, -TURN_TRIED)]
+        return min(0.0 if hold is None else (hold[0] - self.width) / TURN_TRIED for hold in holds)
 
     @cached_property
     def lengths(self) -> Floats:
@@ -166,12 +168,12 @@ def _push(mesh: Mesh, T_part_closing: pin.SE3, T_world_part: pin.SE3, length: fl
     """
     T_world_closing = T_world_part * T_part_closing
     travel = T_world_closing.rotation[:, 1]
-    level = travel - (travel @ LEVEL) * LEVEL
+    level = travel - (travel @ UPWARDS) * UPWARDS
     cosine = float(np.linalg.norm(level))
     if cosine < STEEP:
         return np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
     level /= cosine
-    sideways = np.cross(LEVEL, level)
+    sideways = np.cross(UPWARDS, level)
     _, areas = normals_of(mesh)
     middle = areas @ mesh.points[mesh.triangles].mean(axis=1) / areas.sum()
     points = (mesh.points - middle) @ T_world_part.rotation.T
@@ -183,7 +185,7 @@ def _push(mesh: Mesh, T_part_closing: pin.SE3, T_world_part: pin.SE3, length: fl
     loads = np.linalg.pinv(np.vstack([np.ones(len(borne)), borne.T]))[:, 0]
     square = max(float(loads @ (borne**2).sum(axis=1)), BORNE**2)
     # As on a film of oil, which is where friction holds least.
-    turn = -arm / (arm**2 + square) * LEVEL
+    turn = -arm / (arm**2 + square) * UPWARDS
     shift = square / (arm**2 + square)
     if _is_round(points, sideways):
         turn = turn + sideways * shift / -float(points[:, 2].min())
@@ -202,9 +204,9 @@ def _is_round(points: Floats, axis: Floats) -> bool:
     """
     height = -float(points[:, 2].min())
     risen: list[float] = []
-    for angle in (TRIED, -TRIED):
+    for angle in (TURN_TRIED, -TURN_TRIED):
         turned = points @ pin.exp3(axis * angle)[2]
-        risen.append((-float(turned.min()) - height) / TRIED)
+        risen.append((-float(turned.min()) - height) / TURN_TRIED)
     # The pad rubs on the part as it rolls, at about the same distance from what it rolls about.
     friction = float(np.tan(FRICTION))
     return max(map(abs, risen)) < friction * (1.0 - friction) * height

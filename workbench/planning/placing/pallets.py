@@ -14,7 +14,7 @@ from workbench.model.scan import Obstacle
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 
-SLACK = 0.0005
+TOLERANCE_SLACK = 0.0005
 """[m] How much farther than the tolerance a part may be from its place: rounding, and the like."""
 
 
@@ -58,7 +58,7 @@ def _find_filled(arm: Arm, parts: Iterable[tuple[Part, pin.SE3]]) -> frozenset[P
     for part, T in parts:
         near = [(_off(place, part, T), place) for place in pallets if place.is_for(part.name)]
         off, nearest = min(near, key=lambda nearby: nearby[0], default=(np.inf, None))
-        if nearest is not None and off <= SLACK:
+        if nearest is not None and off <= TOLERANCE_SLACK:
             found.add(nearest)
     return frozenset(found)
 

@@ -22,7 +22,7 @@ from workbench.plugins.planner import EdgeCheck, Planner, Search
 
 Name = Literal["BITstar", "LBKPIECE1", "InformedRRTstar", "AORRTC", "RRTConnect"]
 
-SLACK = 1e-9
+LIMIT_SLACK = 1e-9
 """[rad] By how much a start on a joint limit may miss it after scaling by the metric's weights."""
 
 util.setLogLevel(util.LogLevel.LOG_NONE)
@@ -73,7 +73,7 @@ def ompl_planner(name: Name) -> Planner:
             return Search(np.array([start, goal]), 0)
         util.RNG.setSeed(int(rng.integers(1, 2**31)))
         scale = 1.0 / weights
-        space = _space(lower * weights - SLACK, upper * weights + SLACK)
+        space = _space(lower * weights - LIMIT_SLACK, upper * weights + LIMIT_SLACK)
         information = base.SpaceInformation(space)
 
         edges = _Edges(information, is_clear, scale)

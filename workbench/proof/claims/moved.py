@@ -18,11 +18,11 @@ UP = np.array([0.0, 0.0, 1.0])
 STANDS = np.deg2rad(45.0)
 """[rad] A part that is round about an axis rolls where that leans by more than this."""
 
-ROUND = 0.8
+ROUND_SHARE = 0.8
 """From narrowest to widest: what is rounder seen along an axis may roll about it; a hexagon has
 0.87, a square 0.71."""
 
-FLAT = 0.5
+FLAT_SHARE = 0.5
 """A part that is lower than this share of its width stays on its face when it is pushed."""
 
 WIDTH_DIRECTIONS = 36
@@ -123,7 +123,7 @@ def _may_roll(cell: Cell, found: Detection) -> bool:
         return True
     for axis, width, length in _round_axes(part):
         stands = abs(float(found.T_world_part.rotation[2] @ axis)) >= np.cos(STANDS)
-        if not stands or length >= FLAT * width:
+        if not stands or length >= FLAT_SHARE * width:
             return True
     return False
 
@@ -141,5 +141,5 @@ def _round_axes(part: Part) -> Iterator[tuple[Floats, float, float]]:
         angles = np.linspace(0.0, np.pi, WIDTH_DIRECTIONS, endpoint=False)
         ways = np.column_stack([np.cos(angles), np.sin(angles)]) @ across[1:]
         widths = np.ptp(points @ ways.T, axis=0)
-        if widths.min() >= ROUND * widths.max():
+        if widths.min() >= ROUND_SHARE * widths.max():
             yield np.asarray(axis), float(widths.max()), float(np.ptp(points @ axis))

@@ -21,7 +21,7 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.claims.scene import filled_bin, scene_bodies, turned_rooms
-from workbench.proof.claims.table import ABOVE, CONTENT
+from workbench.proof.claims.table import ABOVE_CONTENT, CONTENT
 from workbench.proof.claims.tolerances import OPENING
 from workbench.proof.engine.bodies import CheckedBody
 from workbench.proof.engine.robot import Tree
@@ -91,7 +91,7 @@ def bodies_of(cell: Cell, tree: Tree, plan: Plan) -> tuple[CheckedBody, ...]:
     rest = scene_bodies(cell, tree, Scene(plan.scan_digest, (), content.others))
     boxes = [
         CheckedBody("still", label, "still", "", -1, 0, box.T_world_box, Box(box.size))
-        for label, box in zip((CONTENT, ABOVE), content.boxes, strict=True)
+        for label, box in zip((CONTENT, ABOVE_CONTENT), content.boxes, strict=True)
     ]
     return (*rest, *boxes)
 

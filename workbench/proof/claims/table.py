@@ -35,13 +35,13 @@ from workbench.proof.engine.bodies import CheckedBody, is_round
 from workbench.proof.engine.pairs import BodyPairs, Pairs
 from workbench.proof.engine.robot import Tree
 
-SLACK = 0.0005
+NEARER_BY = 0.0005
 """[m] A lift that leans, and rounding, bring a part this much nearer to what it lies on."""
 
 CONTENT = "bin_content"
 """What people call the box that stands for all parts while a hand stirs them."""
 
-ABOVE = "above_bin_content"
+ABOVE_CONTENT = "above_bin_content"
 """What people call the box above that, in which a part may come to stand upright."""
 
 TOUCH = 1e-6
@@ -51,10 +51,10 @@ TOUCH = 1e-6
 def least_distance_allowed(begins: float) -> float:
     """The distance [m] that two bodies keep which begin a leg at a distance [m].
 
-    Bodies that touch at the start may approach by `SLACK`.  Separated bodies may approach by
-    `SLACK` or half their distance, whichever is less.
+    Bodies that touch at the start may approach by `NEARER_BY`.  Separated bodies may approach by
+    `NEARER_BY` or half their distance, whichever is less.
     """
-    return begins - SLACK if begins <= TOUCH else max(begins - SLACK, begins / 2)
+    return begins - NEARER_BY if begins <= TOUCH else max(begins - NEARER_BY, begins / 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +104,7 @@ class PairTable(BodyPairs):
         self._part = np.array([b.part for b in bodies])
         self._tool = np.array([b.kind == "tool" for b in bodies])
         self._content = np.array([b.label == CONTENT for b in bodies])
-        self._above = np.array([b.label == ABOVE for b in bodies])
+        self._above = np.array([b.label == ABOVE_CONTENT for b in bodies])
         barred = _barred_labels(cell)
         self._barred = np.array([b.label in barred for b in bodies])
         self._finger = np.array([b.is_finger for b in bodies])

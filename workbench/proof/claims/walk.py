@@ -35,7 +35,7 @@ from workbench.proof.engine.search import SIGHT, TIGHT, Nearest, SearchGoal, Sea
 from workbench.proof.engine.sets import Sets
 from workbench.proof.engine.space import Space
 
-ROOM = 0.0005
+SPARE_MARGIN = 0.0005
 """[m] So much more than its margin away, a hand has left a part."""
 
 CLOSING = 0.001
@@ -186,7 +186,7 @@ class Walk:
         """
         pairs = self._pairs(situation_of(self._tree, step, arm_motion))
         rows = pairs.rows[pairs.released]
-        away = self._cell.policy.margin + ROOM
+        away = self._cell.policy.margin + SPARE_MARGIN
         for number, values in enumerate(arm_motion.path):
             self._space.look(self._with(step, arm_motion, values))
             is_away = all(self._space.distance(int(row)) >= away for row in rows)

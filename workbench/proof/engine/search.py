@@ -6,7 +6,7 @@ so is how far they stay apart along any direction.  Where neither is enough, the
 
 The search accepts a set if both bodies keep the margin at its middle and approach by at most the
 resolution.  The true distance may fall short of the margin by that much.  A positive margin below
-the resolution replaces it, but never below `FINEST`.
+the resolution replaces it, but never below `FINEST_RESOLUTION`.
 """
 
 from collections.abc import Sequence
@@ -45,7 +45,7 @@ RUN = 16
 HALVES = 4096
 """Sets that are checked together: what is worked out of them takes some kB for each."""
 
-FINEST = 0.00005
+FINEST_RESOLUTION = 0.00005
 """[m] The resolution where what is to be kept is still less."""
 
 TIGHT = 0.0002
@@ -54,7 +54,7 @@ TIGHT = 0.0002
 ROUNDING = 1e-6
 """[m] Another machine rounds otherwise."""
 
-LOOSE = 0.12
+USUALLY_SHORT_BY = 0.12
 """[m] By about this much bounds fall short of distances; only a matter of speed."""
 
 
@@ -174,7 +174,7 @@ class _Search:
         first, second = space.table.first[pairs.rows], space.table.second[pairs.rows]
         self._asked = PairQuery(first, second, pairs.commons, pairs.margins, pairs.shown)
         # Where little is to be kept, it must not be lost between two looks.
-        finer = np.where(pairs.margins > 0.0, pairs.margins.clip(min=FINEST), resolution)
+        finer = np.where(pairs.margins > 0.0, pairs.margins.clip(min=FINEST_RESOLUTION), resolution)
         self._fine = np.minimum(resolution, finer)
         self.found, self._sight = SearchResult(np.array(wanted.nearest)), wanted.nearest[0]
 
@@ -311,8 +311,8 @@ class _Search:
         first, second, which = close.items.T
         margins = self._asked.margins[which]
         # Where it will be halved anyway, measuring would hardly save that.
-        is_hopeless = close.moves > max(self._resolution, LOOSE)
-        is_hopeless &= close.whole_bounds + LOOSE < self._needs(which, at)
+        is_hopeless = close.moves > max(self._resolution, USUALLY_SHORT_BY)
+        is_hopeless &= close.whole_bounds + USUALLY_SHORT_BY < self._needs(which, at)
         is_hopeless &= close.lower >= margins.clip(0.0)
         order = np.lexsort((close.whole_bounds, second, first))
         order = order[~is_hopeless[order]]

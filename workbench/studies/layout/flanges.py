@@ -18,13 +18,13 @@ from workbench.model.robot import Joint, Link, Robot
 NAMES = (r"tool0$", r"flange$", r"link_?8$", r"hand(_link)?$", r"ee_link$", r"tool")
 """Names of links that a tool is screwed to, the surest first."""
 
-ALONG = np.deg2rad(1.0)
+MOST_TURNED = np.deg2rad(1.0)
 """[rad] So much z of a flange may be turned against the last axis."""
 
 OFF_AXIS = 0.002
 """[m] This far from that axis a flange may lie."""
 
-CLEAR = 0.002
+CLEAR_DISTANCE = 0.002
 """[m] A smaller distance does not tell to which side a link lies."""
 
 FACE = 0.02
@@ -82,7 +82,7 @@ def named_mounts(robot: Robot, flanges: Sequence[str]) -> Mounts:
         lean = lean_of(robot, robot.link(flange).name)
         if np.isnan(lean):
             raise InputError(f"--flange {flange}: no joint moves this link")
-        if lean > ALONG:
+        if lean > MOST_TURNED:
             notes.append(
                 f"z of link {flange} is turned {np.rad2deg(lean):.0f} degrees against the last "
                 "axis: the tool stands along that z"
@@ -110,7 +110,7 @@ def _fits(robot: Robot, link: str) -> bool:
         return False
     _, T, axis = found
     off = T.translation - (T.translation @ axis) * axis
-    return lean_of(robot, link) < ALONG and float(np.linalg.norm(off)) < OFF_AXIS
+    return lean_of(robot, link) < MOST_TURNED and float(np.linalg.norm(off)) < OFF_AXIS
 
 
 def _last(robot: Robot, link: str) -> tuple[Joint, pin.SE3, Floats] | None:
@@ -139,7 +139,7 @@ def _outward(robot: Robot, chain: Sequence[Joint], T: pin.SE3, axis: Floats) -> 
         if len(points):
             middle = T_joint_link.act((points.min(axis=0) + points.max(axis=0)) / 2)
             away.append(float((T.translation - middle) @ axis))
-    offset = next((distance for distance in away if abs(distance) > CLEAR), 1.0)
+    offset = next((distance for distance in away if abs(distance) > CLEAR_DISTANCE), 1.0)
     return float(np.sign(offset))
 
 
@@ -204,7 +204,7 @@ def _with_flange(robot: Robot, end: str, called: str) -> tuple[Robot, str]:
 def _describe(robot: Robot, called: str, flange: str) -> str:
     lean = np.rad2deg(lean_of(robot, called))
     why = f"z of link {called} is turned {lean:.0f} degrees against the last axis"
-    if lean < np.rad2deg(ALONG):
+    if lean < np.rad2deg(MOST_TURNED):
         why = f"no link is called a flange, and {called} does not lie where the arm ends"
     made = " (added to the URDF)" if flange.startswith(MADE) else ""
     return f"{why}: the tool is screwed to {flange}{made}; look at it, or name another by --flange"

@@ -7,7 +7,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.perception.simulation.piles import drop_parts
 
-PARTS, SEED = 2, 0
+DEMO_PARTS, DEMO_SEED = 2, 0
 """The pile with which `workbench demo` begins."""
 
 LONGEST_PLANNING = 8.0
@@ -21,7 +21,7 @@ def takes_parts(cell: Cell) -> bool:
     """
     parts = tuple(replace(p, library=replace(p.library, searches=False)) for p in cell.parts)
     try:
-        pile = drop_parts(parts[:1] * PARTS, cell.bin, seed=SEED)
+        pile = drop_parts(parts[:1] * DEMO_PARTS, cell.bin, seed=DEMO_SEED)
     except InputError:  # the bin is too small for the part
         return False
     if not pile:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from workbench.studies.cases import percentiles
-from workbench.studies.localization import CLEAR, Scene, Task, how_sure
+from workbench.studies.localization import CLEARLY_SEEN, Scene, Task, how_sure
 
 SCALE_NEAR, OFFSET_NEAR = 0.01, 0.0003
 """By which a reported scale, and a reported distance [m] of the surface, may be wrong."""
@@ -70,7 +70,7 @@ def _row(scale: float, offset: float, build: str, scenes: Sequence[Scene]) -> di
         is_found
         for scene in scenes
         for visible, is_found in zip(scene.visible, scene.is_found, strict=True)
-        if visible > CLEAR
+        if visible > CLEARLY_SEEN
     ]
     checks = [check for scene in scenes for check in scene.scales]
     offsets = [check for scene in scenes for check in scene.offsets]

@@ -22,7 +22,7 @@ from workbench.model.errors import FileError
 LEAST_STALL = 0.05
 """[s] Of processor time: what holds the others up for less is no stall."""
 
-EVERY = 0.01
+POLL_EVERY = 0.01
 """[s] Between two looks."""
 
 MOST_FRAMES = 16
@@ -52,7 +52,7 @@ class Stall:
 
 
 class Watchdog:
-    """Looks every `EVERY` whether it may run, and how long each callback of event loops takes.
+    """Looks every `POLL_EVERY` whether it may run, and how long each callback of event loops takes.
 
     Lifetime: from construction until `close`.
 
@@ -92,8 +92,8 @@ class Watchdog:
     def _run(self) -> None:
         while not self._closing.is_set():
             before, began, delayed = _processor_times(), time.monotonic(), _delay()
-            time.sleep(EVERY)
-            waited = time.monotonic() - began - EVERY - (_delay() - delayed)
+            time.sleep(POLL_EVERY)
+            waited = time.monotonic() - began - POLL_EVERY - (_delay() - delayed)
             if waited >= self._least:
                 self._look_who(before, waited)
             self._sample_callbacks()

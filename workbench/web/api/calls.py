@@ -43,7 +43,7 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.cell import MOST_PICKS, ORDER_NAMES, PlanOverrides
 from workbench.model.prediction import CHANGE_KINDS, TOGETHER, Seen
-from workbench.model.recipes.recipe import HIGHEST, NO_RECIPE
+from workbench.model.recipes.recipe import HIGHEST_NUMBER, NO_RECIPE
 from workbench.model.release import SLOWEST, PickResult
 from workbench.model.scan import ALL_KINDS, SearchOverrides
 from workbench.plugins.planner import planner_names
@@ -354,7 +354,7 @@ CALLS: tuple[Call, ...] = (
             Field(
                 "number",
                 "of one of the `recipes` of the state; 0: none, the cell is as its file states it",
-                _whole(NO_RECIPE, HIGHEST),
+                _whole(NO_RECIPE, HIGHEST_NUMBER),
             ),
         ),
     ),

@@ -27,7 +27,7 @@ GIVEN_BACK = 8
 SILENCE = 60.0
 """[s] In which it is said only once that nothing is left."""
 
-LOOK = 1.0
+POLL_EVERY = 1.0
 """How often [s] it is searched for those who have taken too long."""
 
 
@@ -117,7 +117,7 @@ class Gate:
 
     async def _look(self) -> None:
         while True:
-            await asyncio.sleep(LOOK)
+            await asyncio.sleep(POLL_EVERY)
             self._limits.look()
 
 

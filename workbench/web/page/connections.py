@@ -19,7 +19,7 @@ MOST_OF_ONE = 24
 
 MOST_OF_ALL = 160
 
-LOOK = 0.25
+POLL_EVERY = 0.25
 """How often [s] logins are looked after that another process or the clock may have ended."""
 
 
@@ -76,7 +76,7 @@ class Connections:
     async def watch(self) -> None:
         """Cut whose login ends, for ever."""
         while True:
-            await asyncio.sleep(LOOK)
+            await asyncio.sleep(POLL_EVERY)
             try:
                 self.cut(self._sessions.over(seat.session.digest for seat in self._seats))
             except FileError:

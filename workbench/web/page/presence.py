@@ -30,7 +30,7 @@ SAID = ("robot", "fault", "why")
 STOP = "stop"
 """What a browser may say, and nothing else."""
 
-LOOK = 0.15
+POLL_EVERY = 0.15
 """[s] Between two looks at what the bar should say."""
 
 REPEAT = 2.0
@@ -83,7 +83,7 @@ class Presence:
             if words != last_words or now - at >= REPEAT:
                 await browser.send_json({**words, **{key: say(words[key]) for key in SAID}})
                 last_words, at = words, now
-            await asyncio.sleep(LOOK)
+            await asyncio.sleep(POLL_EVERY)
 
     async def _hear(self, browser: web.WebSocketResponse, person: Person, say: Say) -> None:
         """Stop when the browser says so; return when it goes, or says anything else."""

@@ -8,7 +8,16 @@ from typing import ClassVar
 
 from workbench.app.core.cell.changes import Changed, with_cell
 from workbench.app.core.cell.views import next_view
-from workbench.app.core.command import EVERY, SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.command import (
+    EVERY_PHASE,
+    SAFE,
+    Asked,
+    Command,
+    Decision,
+    Entry,
+    Right,
+    refuse,
+)
 from workbench.app.core.state import Phase, ScanState, State, begin_stage, stale_by
 from workbench.app.core.value_checks import check_text
 from workbench.model.cell import Cell
@@ -41,7 +50,7 @@ class NewBin(Command):
     """The bin of that name was refilled, or another one stands in its place."""
 
     right: ClassVar[Right] = Right(
-        CommandText.NEW_BIN, EVERY, beside_job=True, without_control=True
+        CommandText.NEW_BIN, EVERY_PHASE, beside_job=True, without_control=True
     )
 
     name: str

@@ -18,7 +18,7 @@ from workbench.model.messages.cells import KitText, RecipeText
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.recipes.kit import KitProgress
-from workbench.model.recipes.recipe import HIGHEST, NO_RECIPE
+from workbench.model.recipes.recipe import HIGHEST_NUMBER, NO_RECIPE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +30,7 @@ class ChooseRecipe(Command):
     number: int
 
     def check(self, state: State, asked: Asked) -> None:
-        check_integer("number", self.number, NO_RECIPE, HIGHEST)
+        check_integer("number", self.number, NO_RECIPE, HIGHEST_NUMBER)
         cell = by_recipe(state, self.number)
         refuse(_kit_problem(state, self.number) or _placed_problem(state, cell))
 

@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 from workbench.app.core.cell.changes import change_whole
 from workbench.app.core.cell.making import with_made
-from workbench.app.core.command import EVERY, Command, Decision, Entry, Right
+from workbench.app.core.command import EVERY_PHASE, Command, Decision, Entry, Right
 from workbench.app.core.cycle.ahead import brought_ahead, given_up
 from workbench.app.core.cycle.arm_scanner import plate_problem, scan_problem, standing_joints
 from workbench.app.core.cycle.correcting import CORRECT, with_corrected
@@ -33,7 +33,9 @@ class JobEnded(Command):
     `BallScan`, a `Part`, a `Tool`, an `Emptying`, or the error that ended it.
     """
 
-    right: ClassVar[Right] = Right(CommandText.JOB_ENDED, EVERY, beside_job=True, by_machine=True)
+    right: ClassVar[Right] = Right(
+        CommandText.JOB_ENDED, EVERY_PHASE, beside_job=True, by_machine=True
+    )
 
     number: int
     result: (
@@ -81,7 +83,7 @@ def _still_good(state: State, result: Any, entry: Entry) -> Any:
 class CancelJob(Command):
     """End the running task."""
 
-    right: ClassVar[Right] = Right(CommandText.CANCEL_JOB, EVERY, beside_job=True)
+    right: ClassVar[Right] = Right(CommandText.CANCEL_JOB, EVERY_PHASE, beside_job=True)
 
     @classmethod
     def obstacle(cls, state: State) -> Message | None:

@@ -12,7 +12,7 @@ MOST_CORNERS = 300
 FEW_CORNERS = 100
 """The same, of a hull that stands for a whole mesh."""
 
-CLOSE = 0.0005
+STICKS_OUT_BY = 0.0005
 """[m] The body around such a hull that sticks out no further has corners enough."""
 
 MERGED_WITHIN = 1e-6
@@ -21,7 +21,7 @@ MERGED_WITHIN = 1e-6
 THICK = 5e-5
 """[m] Half the thickness of the hull of something flat."""
 
-FINE = 0.5
+POINT_SPACING = 0.5
 """Of a tolerance: this far apart, about, are points at which a hull is checked."""
 FEWEST_POINTS, MOST_POINTS = 50, 4_000
 """Such points, at least and at most."""
@@ -35,7 +35,7 @@ def hull(mesh: Mesh) -> Mesh | None:
     found = convex_hull(mesh)
     if found is None or most_neighbours(found) <= MOST_NEIGHBOURS:
         return found
-    return limit_corners(found, most=FEW_CORNERS, close=CLOSE)
+    return limit_corners(found, most=FEW_CORNERS, close=STICKS_OUT_BY)
 
 
 def limit_corners(piece: Mesh, *, most: int, close: float) -> Mesh:
@@ -102,7 +102,7 @@ def area_of(triangles: Floats) -> float:
 
 def points_for(area: float, tolerance: float) -> int:
     """How many points are checked on so much surface [m2] for a tolerance [m]."""
-    return int(np.clip(area / (FINE * tolerance) ** 2, FEWEST_POINTS, MOST_POINTS))
+    return int(np.clip(area / (POINT_SPACING * tolerance) ** 2, FEWEST_POINTS, MOST_POINTS))
 
 
 def points_on(triangles: Floats, count: int) -> tuple[Floats, Ints]:

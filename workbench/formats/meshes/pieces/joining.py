@@ -14,10 +14,10 @@ from workbench.model.geometry import Floats
 TOUCHING_WITHIN = 1e-6
 """[m] Hulls that are no further apart may touch, and a corner no further away lies on one."""
 
-FEW = 100
+FIRST_POINTS = 100
 """Points that show most common hulls to be too large."""
 
-LOOKS = 2
+MEASURED_TWICE = 2
 """A pair is measured at few points, and closely only when no other pair seems better."""
 
 NEAR_ENOUGH_SHARE = 0.5
@@ -63,7 +63,7 @@ def join_hulls(
             break
         if not left.keys() >= set(pair.numbers):
             continue
-        if pair.looks < LOOKS:
+        if pair.looks < MEASURED_TWICE:
             faces = _new_faces(pair.both, [left[number] for number in pair.numbers])
             too_far = tolerance if len(left) <= most else np.inf
             far = _excess(faces, surface, tolerance, too_far, pair.looks)
@@ -111,5 +111,5 @@ def _excess(faces: Floats, surface: Surface, tolerance: float, too_far: float, l
     """How far faces (n, 3, 3) [m] lie outside of a surface at most [m], the last look closest."""
     if not len(faces):
         return 0.0
-    count = FEW if look < LOOKS - 1 else points_for(area_of(faces), tolerance)
+    count = FIRST_POINTS if look < MEASURED_TWICE - 1 else points_for(area_of(faces), tolerance)
     return surface.farthest(points_on(faces, count)[0], NEAR_ENOUGH_SHARE * tolerance, too_far)[0]

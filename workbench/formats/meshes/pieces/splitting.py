@@ -37,7 +37,7 @@ SPACING = 0.5
 THROUGH = 8
 """Planes through the deepest hollow."""
 
-ALONG = 8
+MOST_FACES = 8
 """Faces about the deepest hollow along which a plane may go, at most."""
 SURFACE_POINTS = 40
 """Points of the surface at which they are searched for."""
@@ -239,7 +239,7 @@ def _planes_beside(piece: _Piece, surface: Surface) -> Iterator[Plane]:
         normal = normal * np.sign(normal[np.abs(normal).argmax()])
         offset = float(point @ normal)
         key = (*np.round(normal, 1).tolist(), round(offset, 4))
-        if key not in known and len(known) < ALONG:
+        if key not in known and len(known) < MOST_FACES:
             known.add(key)
             yield Plane(normal, offset)
 

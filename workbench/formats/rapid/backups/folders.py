@@ -21,7 +21,7 @@ FOLDERS = frozenset({"rapid", "home", "syspar", "backinfo"})
 
 LISTED = re.compile(r"<Module>\s*([^<]*?)\s*</Module>", re.IGNORECASE)
 BACKED_UP = re.compile(r">>(TASK\d+):\s*\((\w*),.*\)\s*\n((?:.*@.*\n)*)")
-FEW = 4
+MOST_NAMED = 4
 """Names that modules of a task have in common and that are told one by one."""
 
 
@@ -219,7 +219,7 @@ def _together(sources: Sequence[Source], found: FolderContents) -> list[list[Sou
         mine = find_declared(source)
         for other in tasks[0]:
             both = sorted(mine & find_declared(other))
-            if len(both) > FEW:
+            if len(both) > MOST_NAMED:
                 some = ", ".join(both[:3])
                 what = f"{len(both)} names are declared in {other.path}, too ({some}, ...)"
                 at = source.tree

@@ -15,11 +15,11 @@ MODES = {"VAR": "inout", "PERS": "pers", "INOUT": "inout"}
 """Whoever calls an instruction may give a PERS where the manual says VAR: some take it."""
 
 LINE = re.compile(r"(?:(\w+) )?(\w+)\((.*)\)")
-LOOSE = re.compile(r"(?:(\w+) )?\(\.\.\.\) (.+)")
+UNNUMBERED_ROW = re.compile(r"(?:(\w+) )?\(\.\.\.\) (.+)")
 PARAMETER = re.compile(r"(VAR|PERS|INOUT)? *(\w+)(?: +(\w+))?(?:\{([*,]+)\})?")
 RECORD = re.compile(r"record (\w+)\((.*)\)")
 PIECE = re.compile(r"\| *\\|[,|\\]|[^,|\\{]*[^,|\\{ ][^,|\\{]*(?:\{[*,]+\})?")
-ROW = re.compile(r"(\w+?)(\d+)-(\d+)")
+NUMBERED_ROW = re.compile(r"(\w+?)(\d+)-(\d+)")
 
 
 @dataclass
@@ -75,7 +75,7 @@ def _type(types: Types, line: str) -> None:
 def _row(names: str) -> list[str]:
     found: list[str] = []
     for name in names.split():
-        row = ROW.fullmatch(name)
+        row = NUMBERED_ROW.fullmatch(name)
         found += (
             [name] if row is None else [f"{row[1]}{k}" for k in range(int(row[2]), int(row[3]) + 1)]
         )
@@ -93,7 +93,7 @@ def _routines(table: RobotWareTable, line: str, short: dict[str, str]) -> None:
         name, _, value = line.partition("=")
         short[name.strip()] = value.strip()
         return
-    loose = LOOSE.fullmatch(line)
+    loose = UNNUMBERED_ROW.fullmatch(line)
     if loose is not None:
         for name in loose[2].split():
             table.names[name.lower()] = _routine(name, loose[1], [], is_loose=True)

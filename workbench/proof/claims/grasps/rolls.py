@@ -18,7 +18,7 @@ from workbench.proof.claims.table import least_distance_allowed
 from workbench.proof.engine.robot import Tree
 from workbench.proof.engine.shapes import gap_of, hull, least_gap
 
-NEARLY, FINE = 0.0005, 0.0004
+SAME_DISTANCE, NARROW_SET = 0.0005, 0.0004
 """[m, rad] How much nearer or farther counts as the same at a turn; and the sum of all joints'
 turns within which a hand that is up to 1.2 m from an axis moves by less than 0.5 mm."""
 
@@ -70,8 +70,8 @@ def _held_violations(
         if wider is not None:
             deep = min(least_gap(body, places, deepest) for body in before)
         # What pads give way by differs from turn to turn; otherwise the fingers lie on the part.
-        away = NEARLY if found.roll_known else arm.tool.press + NEARLY
-        if deep < -NEARLY or far > away:
+        away = SAME_DISTANCE if found.roll_known else arm.tool.press + SAME_DISTANCE
+        if deep < -SAME_DISTANCE or far > away:
             problem = ProofText.NOT_HELD(angle=2 * np.pi * turn / count)
             yield Violation(problem, arm.name, "approach", distance=min(far, deep))
             return
@@ -98,7 +98,7 @@ def _bed_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> It
         if number != arm_plan.detection:
             places = turned_pieces(cell.part(other.part), other)
             beds += [[(f"part-{number + 1}", place) for place in piece] for piece in places]
-    far = policy.near_margin + policy.release + NEARLY
+    far = policy.near_margin + policy.release + SAME_DISTANCE
     # The room of all turns is no farther from a bed than the piece at any of them.
     near_beds = [
         [bed for bed in beds if any(not gap_of(room, where, far) >= far for _, where in bed)]
@@ -140,7 +140,7 @@ class _Lift:
         first = tcp(tree, tree.rest, arm, path[0])
         self._moves = [pin.SE3.Identity()]
         for q, after in pairwise(path):
-            count = 1 + int(np.abs(after - q).sum() / FINE)
+            count = 1 + int(np.abs(after - q).sum() / NARROW_SET)
             for share in np.arange(1, count + 1) / count:
                 T = tcp(tree, tree.rest, arm, q + share * (after - q))
                 self._moves.append(T * first.inverse())
@@ -168,7 +168,7 @@ class _Lift:
         while k < len(gone) - 1:
             k = max(k + 1, int(np.searchsorted(gone, gone[k] + gap - keeps)) - 1)
             # Farther than this it stays away from its bed on the rest.
-            far = keeps + gone[-1] - gone[k] + FINE
+            far = keeps + gone[-1] - gone[k] + NARROW_SET
             gap = gap_of((shape, self._moves[k] * T), bed, far)
             if gap < keeps:
                 return gap

@@ -30,7 +30,7 @@ SEARCHED_BELOW = 0.05
 RESTS_WITHIN = 1e-5
 """[m] A part that has come so near to something lies on it."""
 
-FLAT = 0.0005
+SAME_FACE_WITHIN = 0.0005
 """[m] Points no farther from the highest of a part, or the lowest, are of the same face."""
 
 
@@ -127,9 +127,9 @@ def standing_problem(part: Part, place: PartPlace, T_world_put: pin.SE3) -> Mess
     low, high = float(points[:, 2].min()), float(points[:, 2].max())
     middle = T_world_put.act(centre)
     # Parts of a kind stand on each other turned as their places leave it: both faces carry.
-    faces = [points[points[:, 2] <= low + FLAT, :2]]
+    faces = [points[points[:, 2] <= low + SAME_FACE_WITHIN, :2]]
     if place.layer > 1:
-        faces.append(points[points[:, 2] >= high - FLAT, :2])
+        faces.append(points[points[:, 2] >= high - SAME_FACE_WITHIN, :2])
     within = min(stands_within(face, middle[:2]) for face in faces)
     if place.layer > 1:
         within -= place.tolerance

@@ -24,7 +24,7 @@ STEADY = np.deg2rad(10.0)
 DROP = 0.002
 """[m] So much more than the margin a part may fall when it is let go of."""
 
-FLAT = 0.0005
+STANDS_WITHIN = 0.0005
 """[m] Points of a part that are no higher than this above its lowest one are what it stands on."""
 
 RESTS_WITHIN = 0.001
@@ -62,11 +62,11 @@ def standing_violations(
     T_station_put = cell.T_world_station(station).actInv(put_at(cell, tree, plan, arm_plan))
     points = part.mesh.points @ T_station_put.rotation.T + T_station_put.translation
     low = float(points[:, 2].min())
-    if not -FLAT <= low <= cell.policy.margin + DROP:
+    if not -STANDS_WITHIN <= low <= cell.policy.margin + DROP:
         most = cell.policy.margin + DROP
         yield violation(ProofText.OFF_STATION(height=low, station=station.name, most=most))
         return
-    stands_on = points[points[:, 2] <= low + FLAT, :2]
+    stands_on = points[points[:, 2] <= low + STANDS_WITHIN, :2]
     if np.any(np.abs(stands_on) > station.size / 2):
         yield violation(ProofText.OVER_EDGE(station=station.name))
     centre = centre_of_mass(part)
@@ -86,7 +86,7 @@ def standing_violations(
     )
     if gap > RESTS_WITHIN:
         yield violation(ProofText.NOT_CARRIED(station=station.name))
-    elif gap < -max(cell.policy.sink, FLAT):
+    elif gap < -max(cell.policy.sink, STANDS_WITHIN):
         yield violation(ProofText.STANDS_IN(depth=-gap, station=station.name))
 
 

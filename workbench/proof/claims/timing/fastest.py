@@ -21,13 +21,13 @@ from workbench.model.geometry import Floats
 SOONEST = 0.001
 """[s] From a waypoint to an equal one."""
 
-HALVINGS, FEWER = 45, 20
+LIMIT_HALVINGS, SPEED_HALVINGS = 45, 20
 """Of an interval in which a limit is searched for, and in which a speed is."""
 
 ROUNDING_SHARE = 1e-9
 """Share of a squared speed that rounding may decide."""
 
-SHARES = np.array([1.0, 0.97, 0.93, 0.85, 0.75, 0.64, 0.5, 0.36, 0.2, 0.1, 0.03, 0.0])
+SHARES_TRIED = np.array([1.0, 0.97, 0.93, 0.85, 0.75, 0.64, 0.5, 0.36, 0.2, 0.1, 0.03, 0.0])
 """Of the fastest squared speed at a waypoint, which are tried where simpler ways find nothing."""
 
 BEFORE, AFTER = cast(bool, np.True_), cast(bool, np.False_)
@@ -86,7 +86,7 @@ def _most(
         return low
     # Mostly it is that; else it is looked for.
     high, middle = most, low * (1.0 + ROUNDING_SHARE)
-    for _ in range(HALVINGS):
+    for _ in range(LIMIT_HALVINGS):
         if high <= low * (1.0 + ROUNDING_SHARE):
             break
         least, largest = _room(before, after, width, acceleration, middle, BEFORE)
@@ -230,8 +230,8 @@ def find_infeasible_segment(
     """The segment at which the best attempt failed, or -1 if the planned times are feasible.
 
     What is found is a motion: as fast as can be at each waypoint, or at the pace of the whole leg;
-    and slower where a segment takes longer than it could then; or by the speeds of `SHARES`, in any
-    order.  A motion with other speeds may be missed.
+    and slower where a segment takes longer than it could then; or by the speeds of `SHARES_TRIED`,
+    in any order.  A motion with other speeds may be missed.
 
     Args:
         slopes: q' (k, n) [rad, m] at marks, equally many from each waypoint to the next.
@@ -243,7 +243,7 @@ def find_infeasible_segment(
     """
     count, pieces = len(times), len(widths) // len(times)
     farthest, pace = 0, min(seconds(quick, widths) / times.sum(), 1.0) ** 2
-    for share, halvings in ((1.0, 0), (pace, 0), (1.0, FEWER), (pace, FEWER)):
+    for share, halvings in ((1.0, 0), (pace, 0), (1.0, SPEED_HALVINGS), (pace, SPEED_HALVINGS)):
         x = 0.0
         for i in range(count):
             a, b = i * pieces, (i + 1) * pieces
@@ -256,16 +256,16 @@ def find_infeasible_segment(
                 break
         if x >= 0.0:
             return -1
-    is_open = np.ones(len(SHARES), np.bool_)
+    is_open = np.ones(len(SHARES_TRIED), np.bool_)
     for i in range(count):
         a, b = i * pieces, (i + 1) * pieces
-        reached = np.zeros(len(SHARES), np.bool_)
-        for n in range(len(SHARES)):
-            for m in range(len(SHARES)):
+        reached = np.zeros(len(SHARES_TRIED), np.bool_)
+        for n in range(len(SHARES_TRIED)):
+            for m in range(len(SHARES_TRIED)):
                 if is_open[m] and not reached[n]:
                     soon, slow = _between(
                         slopes[a : b + 1], widths[a:b], acceleration, most[a : b + 1],
-                        quick[a] * SHARES[m], quick[b] * SHARES[n],
+                        quick[a] * SHARES_TRIED[m], quick[b] * SHARES_TRIED[n],
                     )  # fmt: skip
                     reached[n] = soon <= times[i] <= slow
         if not reached.any():

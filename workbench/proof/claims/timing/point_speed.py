@@ -26,7 +26,7 @@ from workbench.proof.claims.timing.pace import LIMIT_TOLERANCE, from_rest_to_res
 from workbench.proof.claims.timing.point_bounds import PointBounds
 from workbench.proof.engine.robot import Tree
 
-SHARES = (0.98, 1.0, 0.95)
+SHARES_TRIED = (0.98, 1.0, 0.95)
 """Of the limits of points, with which a motion is tried: planning leaves a little of them."""
 
 PIECES = 32
@@ -141,7 +141,7 @@ class _Together:
                 return row
         acceleration = np.append(self._acceleration * LIMIT_TOLERANCE, np.inf)
         rows: list[int] = []
-        for share in SHARES:
+        for share in SHARES_TRIED:
             quick = self._quick(marked, share)
             rows.append(find_infeasible_segment(slopes, widths, quick, most, acceleration, times))
             if rows[-1] < 0:

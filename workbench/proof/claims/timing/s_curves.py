@@ -20,9 +20,9 @@ FREE = 1e18
 ROUNDING_SHARE = 1e-6
 """Share of a limit, of a zone and of a time that rounding may decide."""
 
-HALVINGS = 50
+MOST_HALVINGS = 50
 
-SHARES = np.array([1.0, 0.97, 0.93, 0.85, 0.75, 0.64, 0.5, 0.36, 0.2, 0.1, 0.03, 0.0])
+SHARES_TRIED = np.array([1.0, 0.97, 0.93, 0.85, 0.75, 0.64, 0.5, 0.36, 0.2, 0.1, 0.03, 0.0])
 """Of the fastest at a corner, which are tried where simpler ones find nothing."""
 
 
@@ -103,7 +103,7 @@ def quickest_shares(allowed: Allowed, zone: float) -> Floats:  # pragma: no cove
         return shares
     for k in range(1, count):
         low, high, quick = 0.0, 1.0, max(full[k - 1], full[k])
-        for number in range(HALVINGS):
+        for number in range(MOST_HALVINGS):
             share = high if number == 0 else (low + high) / 2.0
             if quick * share * change(share, across[k]) / 2.0 <= zone:
                 low = share
@@ -130,7 +130,7 @@ def _reachable_share(
     if most <= other:
         return most
     low, high = other, most
-    for number in range(HALVINGS):
+    for number in range(MOST_HALVINGS):
         share = high if number == 0 else (low + high) / 2.0
         if way(full, along, here, there, share, other, share)[1] >= 0.0:
             low = share
@@ -147,7 +147,7 @@ def _peak(
     low, high = max(begin, end), 1.0
     if way(full, along, here, there, begin, end, low)[1] < -ROUNDING_SHARE / 1000.0:
         return 0.0
-    for number in range(HALVINGS):
+    for number in range(MOST_HALVINGS):
         share = high if number == 0 else (low + high) / 2.0
         if way(full, along, here, there, begin, end, share)[1] >= 0.0:
             low = share
@@ -174,7 +174,7 @@ def _peak_for(
     if planned <= seconds:
         return high if planned >= seconds * (1.0 - ROUNDING_SHARE) else 0.0
     low = 0.0
-    for _ in range(HALVINGS):
+    for _ in range(MOST_HALVINGS):
         share = (low + high) / 2.0
         if way(full, along, here, there, begin, end, share)[0] > planned:
             low = share
@@ -219,12 +219,12 @@ def seconds_at(allowed: Allowed, shares: Floats) -> float:  # pragma: no cover (
 def mixed_shares(
     allowed: Allowed, quickest: Floats, times: Floats
 ) -> tuple[Floats, int]:  # pragma: no cover (compiled)
-    """Shares (m + 1,) among `SHARES` of the quickest with which ways take `times` (m,) [s].
+    """Shares (m + 1,) among `SHARES_TRIED` of the quickest with which ways take `times` (m,) [s].
 
     And the first way that no such share gets over, or -1.
     """
     full, along, across = allowed
-    count, tries = len(full), len(SHARES)
+    count, tries = len(full), len(SHARES_TRIED)
     came_from = np.full((count + 1, tries), -1)
     came_from[0, 0] = 0
     for k in range(count):
@@ -233,7 +233,7 @@ def mixed_shares(
                 if came_from[k, m] >= 0 and came_from[k + 1, n] < 0:
                     peak = _peak_for(
                         full[k], along[k], across[k], across[k + 1],
-                        quickest[k] * SHARES[m], quickest[k + 1] * SHARES[n], times[k],
+                        quickest[k] * SHARES_TRIED[m], quickest[k + 1] * SHARES_TRIED[n], times[k],
                     )  # fmt: skip
                     if peak > 0.0:
                         came_from[k + 1, n] = m
@@ -241,6 +241,6 @@ def mixed_shares(
             return quickest, k
     shares, n = np.zeros(count + 1), int(np.argmax(came_from[count] >= 0))
     for k in range(count, 0, -1):
-        shares[k] = quickest[k] * SHARES[n]
+        shares[k] = quickest[k] * SHARES_TRIED[n]
         n = came_from[k, n]
     return shares, -1
