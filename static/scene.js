@@ -19,6 +19,8 @@ const LISTS = [
 
 const UNFOLDED_MS = 300;  // after which an opened group has its height
 
+const CORRECTED_MS = 4000;  // for which a field says that it did not take a number
+
 const FIELDS = "input:not([type=hidden]), textarea, [role=slider]";
 
 const scene = document.getElementById("scene");
@@ -109,7 +111,9 @@ function dress() {
   }
   for (const dialog of every("[role=dialog]:not([data-met])")) {
     dialog.dataset.met = "";
-    dialog.querySelector("input:not([readonly], [type=checkbox])")?.focus();
+    // A list would open over what is to be read.
+    const field = dialog.querySelector("input:not([readonly], [type=checkbox], [aria-haspopup])");
+    (field ?? dialog.querySelector(".wb-read"))?.focus();
   }
   for (const { list, item } of LISTS) every(list).forEach((one) => dressList(one, item));
   showChosen();
@@ -189,6 +193,27 @@ function tellWhole(event) {
   else field.removeAttribute("title");
 }
 
+function noteTyped(event) {
+  if (event.target.closest?.(".mantine-NumberInput-root")) event.target.dataset.typed = event.target.value;
+}
+
+function sayCorrected(event) {
+  // Numbers out of bounds are put within them as the field is left: that is said, not done in silence.
+  const field = event.target;
+  const typedText = field.dataset?.typed;
+  if (typedText === undefined) return;
+  delete field.dataset.typed;
+  setTimeout(() => {
+    if (!typedText || !field.isConnected || Number(typedText) === Number(field.value)) return;
+    const note = here().createElement("div");
+    note.className = "wb-corrected";
+    note.setAttribute("role", "status");
+    note.textContent = word("{typed} is not possible", { typed: typedText });
+    field.closest(".mantine-NumberInput-root").append(note);
+    setTimeout(() => note.remove(), CORRECTED_MS);
+  }, WAIT_MS);
+}
+
 function keepStop(list, stop, item) {
   for (const one of every(item, list)) {
     one.tabIndex = one === stop ? 0 : -1;
@@ -242,6 +267,8 @@ function listen() {
   here().addEventListener("pointerover", letGo, true);
   here().addEventListener("pointerover", tellWhole, true);
   here().addEventListener("focusin", tellWhole);
+  here().addEventListener("input", noteTyped, true);
+  here().addEventListener("focusout", sayCorrected, true);
   new MutationObserver(() => { timer ??= setTimeout(dress, WAIT_MS); }).observe(here(), {
     childList: true, subtree: true, attributes: true, attributeFilter: ["aria-hidden", "aria-selected", "aria-pressed"],
   });

@@ -216,16 +216,14 @@ def test_the_threshold_is_said_while_it_is_dragged_and_asked_for_once(
     for each in (screen, other):
         expect(field(each, "Threshold [mm]")).to_have_value("123")
     decides = screen.page.get_by_text("for these parts:")
-    expect(decides).to_have_text(
-        "Coordinated, if quicker, for these parts: 1 of 1 pair apart (141 mm)"
-    )
+    expect(decides).to_have_text("Both arms at once, if quicker: 1 of 1 pair far apart")
     slider = slider_of(screen, "Threshold [mm]")
     start, mouse = slider.bounding_box(), screen.page.mouse
     x, y = start["x"] + start["width"] / 2, start["y"] + start["height"] / 2
     mouse.move(x, y)
     mouse.down()
     mouse.move(x + 60, y, steps=20)
-    expect(decides).to_have_text("Alternated for these parts: 0 of 1 pair apart (141 mm)")
+    expect(decides).to_have_text("One arm after the other: parts 141 mm apart at most")
     screen.shoot("threshold")
     mouse.up()
     settle(screen.page, 100)

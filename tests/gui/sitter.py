@@ -36,7 +36,7 @@ NO_CAMERAS = (
 OPENED = ("Open part", "Jog", "Show gizmo", "Approve")
 """Buttons behind which there are more controls."""
 
-LEFT_ALONE = ("Give back", "Hand over", "Take control", "Restore it")
+LEFT_ALONE = ("Release control", "Hand over", "Take control", "Restore it")
 """Not pressed among others: afterwards somebody else is in control."""
 
 

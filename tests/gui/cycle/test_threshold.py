@@ -21,11 +21,11 @@ NOW = 1_760_000_000.0
 def test_it_says_which_pairs_are_apart_and_what_follows(states):
     planned = states.planned
     said = decides_line(planned, "auto", 0.2, NOW)
-    assert "Alternated for these parts: 0 of 1 pair apart (141 mm)" in said
+    assert "One arm after the other: parts 141 mm apart at most" in said
     said = decides_line(planned, "auto", 0.14, NOW)
-    assert "Coordinated, if quicker, for these parts: 1 of 1 pair apart (141 mm)" in said
+    assert "Both arms at once, if quicker: 1 of 1 pair far apart" in said
     three = replace(planned, detections=(*planned.detections, planned.detections[0]))
-    assert "2 of 3 pairs apart (0 mm to 141 mm)" in decides_line(three, "auto", 0.14, NOW)
+    assert "2 of 3 pairs far apart" in decides_line(three, "auto", 0.14, NOW)
 
 
 def test_it_says_where_it_decides_nothing(states, cell):

@@ -13,6 +13,7 @@ from workbench.app.core.people import Role
 from workbench.app.filling import fill_process
 from workbench.app.filling.fill import Filled
 from workbench.app.runtime.bench import Bench
+from workbench.app.statistics.grasp_use import GraspUse
 from workbench.formats.files.shipped import find
 from workbench.formats.parts.grasp_files import save_grasps
 from workbench.formats.parts.reading import read_part
@@ -25,12 +26,13 @@ from workbench.gui.grasps.ideas import Suggestions
 from workbench.gui.grasps.library import NOW as AS_IT_IS
 from workbench.gui.grasps.library import LibraryControls
 from workbench.gui.grasps.panel import GraspsPanel
-from workbench.gui.grasps.views import check_line, refused_message, versions_html
+from workbench.gui.grasps.views import check_line, grasps_html, refused_message, versions_html
+from workbench.gui.shared.colours import BUSY, GOOD
 from workbench.model.candidate import Reason
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import Grasp, GraspLibrary, GraspPair
+from workbench.model.part import Grasp, GraspLibrary, GraspPair, grasps_of
 from workbench.model.part_edits import grasp_of
 from workbench.model.robot import Tcp
 from workbench.planning.grasps.firmness import Firmness, in_words
@@ -378,3 +380,16 @@ def test_versions_are_told_in_the_zone_that_all_times_are_told_in(tmp_path):
         for at in ("2026-01-01T00:05:00Z", "some day")
     ]
     assert "2026-01-01 00:05 UTC" in said[0] and "some day" in said[1]
+
+
+@pytest.mark.parametrize(
+    ("use", "light"),
+    [(GraspUse(), GOOD), (GraspUse(tried=6, possible=1), GOOD), (GraspUse(tried=6), BUSY)],
+)
+def test_a_grasp_that_never_worked_in_the_bin_is_not_green(use, light):
+    part = read_part(find("parts", PART))
+    name = part.library.entries[0].name
+    part = replace(part, library=GraspLibrary(part.library.entries[:1]))
+    checks = {name: GraspCheck(name, "hand", (), 0.03, 0.005)}
+    uses = {(PART, grasp.name): use for grasp in grasps_of(part.library.entries[0])}
+    assert f"background:{light}" in grasps_html(part, "", checks, ["row"], uses)

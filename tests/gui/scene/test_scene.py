@@ -4,12 +4,14 @@ import asyncio
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from raw_browser import raw_browser
 
 from workbench.app.runtime.live import Live
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.cloud import GRID
+from workbench.gui.scene.contacts import draw_meets
 from workbench.gui.scene.picture import ScenePicture, is_other_robot
 from workbench.gui.shared.colours import BAD, rgb_of
 from workbench.gui.shared.look import Look, Pose
@@ -292,6 +294,30 @@ def test_a_candidate_refused_without_an_arm_shows_its_hand_and_what_it_meets_in_
     assert met.color == rgb_of(BAD)
     scene.draw(replace(view, poses=(pose,)), view_of(state))
     assert node(server, "/meets/0") is None
+
+
+def test_what_meets_stands_as_it_does_after_something_else_that_was_turned(server):
+    """Browsers keep the pose of a removed node for the next one of its name, unless one is sent."""
+    box = Box(np.full(3, 0.1))
+    sent = []
+    buffer = server._websock_server.get_message_buffer()
+    push = buffer.push
+    buffer.push = lambda message, *rest: (sent.append(message), push(message, *rest))[1]
+    turned = pose_from_rpy((0.4, 0.1, 0.2), (1.0, 0.5, 0.2))
+    for T in (turned, pose_from_rpy((0.0, 0.0, 0.0))):
+        sent.clear()
+        draw_meets(server.scene, "/meets", ((box, T),))
+        poses = {
+            kind: [m for m in sent if type(m).__name__ == kind and m.name == "/meets/0"]
+            for kind in ("SetOrientationMessage", "SetPositionMessage")
+        }
+        q = pin.Quaternion(T.rotation)
+        np.testing.assert_allclose(
+            poses["SetOrientationMessage"][-1].wxyz, (q.w, q.x, q.y, q.z), atol=1e-9
+        )
+        np.testing.assert_allclose(
+            poses["SetPositionMessage"][-1].position, T.translation, atol=1e-9
+        )
 
 
 def test_a_candidate_refused_at_a_configuration_shows_the_arm_there(

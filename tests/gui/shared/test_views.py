@@ -190,13 +190,13 @@ def test_what_is_approved_is_told_in_full(cell, states):
 
 def test_who_is_missing_is_told(states):
     two = replace(states.planned, cell=replace(states.planned.cell, approvers=2))
-    assert "Waiting for 2 people." in approval_line(two, 0.0, "")
+    assert "2 approvals are needed." in approval_line(two, 0.0, "")
     vote = Vote(two.plan.digest, "Anna", 1_760_000_000.0)
     one_more = replace(two, votes=(vote,))
     text = approval_line(one_more, vote.at + 60, "")
     assert "By Anna until 08:58:20 UTC, waiting for 1 more person." in text
     assert "so far Anna" in facts_html(one_more, {}, vote.at)
-    assert "Waiting for 2 people." in approval_line(one_more, vote.at + 300, "")
+    assert "2 approvals are needed." in approval_line(one_more, vote.at + 300, "")
 
 
 def test_an_approved_plan_that_is_stale_says_so(states):

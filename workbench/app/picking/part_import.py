@@ -13,7 +13,7 @@ from workbench.formats.meshes.pieces import convex_pieces
 from workbench.formats.parts.new_part import (
     Imported,
     WrittenPart,
-    check_name,
+    check_new,
     import_mesh,
     mass_of,
     write_part,
@@ -86,7 +86,7 @@ def make_part(
         InputError: the name cannot be used.
         FileError: the file cannot be used, or the folder is there or cannot be written.
     """
-    check_name(name)
+    check_new(into, name)
     report(0.0, ProgressText.READING())
     imported = import_mesh(
         file,

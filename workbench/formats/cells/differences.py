@@ -68,8 +68,13 @@ def _differences(before: Cell, after: Cell) -> Iterator[Message]:
     for field in fields(before.policy):
         old, new = getattr(before.policy, field.name), getattr(after.policy, field.name)
         if old != new:
-            yield DifferenceText.KEY(key=field.name, old=str(old), new=str(new))
+            yield DifferenceText.KEY(key=field.name, old=_shown(old), new=_shown(new))
     yield from _parts(before.parts, after.parts)
+
+
+def _shown(value: object) -> str:
+    """A value of the policy, as people write it."""
+    return ", ".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
 def _list_moves(thing: Message | str, before: pin.SE3, after: pin.SE3) -> Iterator[Message]:

@@ -165,6 +165,26 @@ def name_after(file: str) -> str:
     return "".join(letters).strip("_")[:60] or "part"
 
 
+def free_name(into: Path, name: str) -> str:
+    """The name of a new part, with a number behind it where a part of that name is there."""
+    names = (name, *(f"{name[:56]}_{number}" for number in range(2, 100)))
+    return next((free for free in names if not os.path.lexists(into / free)), name)
+
+
+def check_new(into: Path, name: str) -> Path:
+    """The folder that a new part of that name gets, in the folder of parts.
+
+    Raises:
+        InputError: the name is none.
+        FileError: the folder is there already.
+    """
+    check_name(name)
+    folder = into / name
+    if os.path.lexists(folder):
+        raise FileError(folder, FileProblem.EXISTS())
+    return folder
+
+
 def write_part(
     into: Path,
     name: str,
@@ -190,10 +210,7 @@ def write_part(
         InputError: the name is none.
         FileError: the folder is there already, or cannot be written.
     """
-    check_name(name)
-    folder = into / name
-    if os.path.lexists(folder):
-        raise FileError(folder, FileProblem.EXISTS())
+    folder = check_new(into, name)
     try:
         into.mkdir(parents=True, exist_ok=True)
         made = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=into))

@@ -17,6 +17,7 @@ from workbench.model.messages.plans import cycle_words, guarantee_message, strat
 from workbench.model.motion import MotionModel
 from workbench.model.plan import Guarantee, Plan
 from workbench.model.release import manner_words
+from workbench.plugins.addresses import is_loopback
 from workbench.proof.claims.clearance import bounds_message
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -105,8 +106,10 @@ def facts_html(
     if len(row) > 1:
         seconds = sum(proven_plan.plan.cycle_seconds for proven_plan in row)
         cycle = ApprovalText.ALL_SECONDS(cycle=seconds)
-    address = LabelText.ADDRESS(host=cell.controller.host, port=cell.controller.port)
+    host, port = cell.controller.host, cell.controller.port
+    moves = ApprovalText.SIMULATED if is_loopback(host) else ApprovalText.REAL
     facts: list[Fact] = [
+        ("Controller", moves(address=LabelText.ADDRESS(host=host, port=port))),
         *(_plans(state) if len(row) > 1 else _plan(cell, plan)),
         ("Free motion", free_message(state)),
         *straight_lines(state),
@@ -115,7 +118,6 @@ def facts_html(
         ("Motion", ApprovalText.SPEED(cycle=cycle, share=policy.speed)),
         ("Robot", _robot(cell, plan, joints)),
         ("Preview", _preview(state)),
-        ("Controller", address),
         ("Valid for", ApprovalText.VALID(time=policy.approval_minutes * 60.0)),
     ]
     if cell.approvers > 1:

@@ -15,6 +15,9 @@ from workbench.model.plan import Plan, Proof
 from workbench.proof.claims.clearance import bounds_message, linear_clearance, speed_message
 from workbench.words.words import IN_ENGLISH, Words
 
+TIGHT = 1.5
+"""Times the margin: a clearance below this is marked."""
+
 PURPOSE = "Judges every grasp with every arm, plans the motion and proves it again."
 
 
@@ -58,23 +61,38 @@ def _no_plan_line(state: State, words: Words) -> str:
 
 
 def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
-    """Four numbers of a proven plan: cycle, parts, and both clearances, from below."""
+    """Four numbers of a proven plan: cycle, parts, and both clearances, from below.
+
+    A clearance that is hardly more than what the cell asks for stands out.
+    """
+    policy = state.cell.policy
     linear = linear_clearance(proof)
     cycle = words.render(cycle_words(plan.cycle_seconds, state.bound))
     clearance = words.render(bounds_message(proof))
     cells = (
-        (f"{plan.cycle_seconds:.1f} s", "Cycle", cycle),
-        (str(len(plan.picks)) if plan.picks else "", "Parts", ""),
-        (mm(floor_distance(proof.clearance)), "Clearance, free", clearance),
+        (f"{plan.cycle_seconds:.1f} s", "Cycle", cycle, ""),
+        (str(len(plan.picks)) if plan.picks else "", "Parts", "", ""),
+        (
+            mm(floor_distance(proof.clearance)),
+            "Clearance, free",
+            clearance,
+            _tightness(proof.clearance, policy.margin),
+        ),
         (
             "" if linear is None else mm(floor_distance(max(linear, 0.0))),
             "Clearance, stirring" if plan.is_stir_plan else "Clearance, linear",
             clearance,
+            "" if linear is None else _tightness(linear, policy.near_margin),
         ),
     )
     shown = "".join(
-        f'<div title="{escape(tip)}"><b>{escape(value)}</b><span>{name}</span></div>'
-        for value, name, tip in cells
+        f'<div class="{kind}" title="{escape(tip)}"><b>{escape(value)}</b><span>{name}</span></div>'
+        for value, name, tip, kind in cells
         if value
     )
     return f'<div class="wb-card wb-span3">{shown}</div>'
+
+
+def _tightness(clearance: float, margin: float) -> str:
+    """The class of a clearance [m], beside the margin [m] that is asked for."""
+    return "wb-tight" if clearance < TIGHT * margin else "wb-clear"

@@ -156,11 +156,9 @@ def decides_line(
     if not distances:
         return line("Nearer parts are taken one after the other.", kind="hint", span=2)
     far = sum(distance >= threshold for distance in distances)
-    low, high = distances[0], distances[-1]
-    apart = CyclePageText.APART_RANGE(count=far, total=len(distances), low=low, high=high)
-    if low == high:
-        apart = CyclePageText.APART(count=far, total=len(distances), distance=low)
-    text = (CyclePageText.COORDINATED if far else CyclePageText.ALTERNATED)(apart=apart)
+    text = CyclePageText.ALTERNATED(distance=distances[-1])
+    if far:
+        text = CyclePageText.COORDINATED(count=far, total=len(distances))
     return line(
         words.render(text),
         span=2,

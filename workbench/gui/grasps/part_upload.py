@@ -5,7 +5,8 @@ import viser
 from workbench.app.core.cell.making import ImportPart
 from workbench.app.core.command import Command
 from workbench.app.core.state import State
-from workbench.formats.parts.new_part import PLASTIC
+from workbench.app.picking.part_import import PARTS
+from workbench.formats.parts.new_part import PLASTIC, free_name
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.parts import UploadText
@@ -51,7 +52,7 @@ class PartUpload:
 
     def _on_chosen(self) -> None:
         if not self._name.value:
-            self._name.value = self._pick.stem
+            self._name.value = free_name(PARTS, self._pick.stem)
         self._show_mass()
         self.show(self._visitor.bench.state)
 

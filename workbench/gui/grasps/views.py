@@ -126,8 +126,11 @@ def _row(
         light, tip = BUSY, "not looked at yet"
     else:
         light, tip = (GOOD if check.is_ok else BAD), words.render(findings_message(check))
-    kind = f" <small>× {entry.count}</small>" if isinstance(entry, GraspPattern) else ""
     possible = GraspText.POSSIBLE(count=use.possible, total=use.tried)
+    if light == GOOD and use.tried and not use.possible:
+        # It fits the part by itself, and never did as parts lay in the bin.
+        light, tip = BUSY, words.render(possible)
+    kind = f" <small>× {entry.count}</small>" if isinstance(entry, GraspPattern) else ""
     uses = GraspText.USES(planned=use.planned, taken=use.picked, failed=use.failed)
     taken = GraspText.TAKEN_OF(taken=use.picked, planned=use.planned) if use.planned else None
     return (

@@ -38,7 +38,7 @@ class ControlStrip:
         gui.add_html(f'<style class="wb-style">{STYLE}</style>')
         self._line = gui.add_html("", visible=False)
         self._ask = gui.add_button("Ask", icon=viser.Icon.HAND_CLICK, visible=False)
-        self._back = gui.add_button("Give back", color="gray", visible=False)
+        self._back = gui.add_button("Release control", color="gray", visible=False)
         self._take = gui.add_button("Take control", icon=viser.Icon.HAND_GRAB, visible=False)
         self._give = gui.add_button("Hand over", icon=viser.Icon.CHECK, visible=False)
         self._keep = gui.add_button("Keep", icon=viser.Icon.X, color="gray", visible=False)
@@ -90,7 +90,7 @@ class ControlStrip:
 def control_message(state: State, me: str) -> Message | str:
     """Who is in control, as the person of that name reads it."""
     if not state.control:
-        return "Nobody is in control."
+        return "Nobody has taken control; all may act."
     if state.control == me:
         if state.asking:
             return PageText.IN_CONTROL_ASKED(person=state.asking[0])

@@ -6,7 +6,7 @@ import viser
 
 from workbench.gui.scene.contacts import draw_meets
 from workbench.gui.scene.marks import add_lines
-from workbench.gui.scene.robot import DrawnRobot, place
+from workbench.gui.scene.robot import DrawnRobot, place_new
 from workbench.gui.shared.colours import rgb_of, verdict_colour
 from workbench.gui.shared.look import Pose, View
 from workbench.gui.shared.solids import by_colour
@@ -103,7 +103,7 @@ class DrawnCandidates:
         if pose is not None and pose.T_world_tcp is not None:
             T_world_tcp, opening = pose.T_world_tcp, pose.opening
         node = self._scene.add_frame("/candidate", axes_length=0.04, axes_radius=0.0015)
-        place(node, T_world_tcp)
+        place_new(node, T_world_tcp)
         self._scene.add_label(
             "/candidate/label",
             candidate_label(candidate),

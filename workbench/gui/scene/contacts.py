@@ -4,7 +4,7 @@ import pinocchio as pin
 import viser
 
 from workbench.formats.meshes.triangles import triangles_of
-from workbench.gui.scene.robot import place
+from workbench.gui.scene.robot import place_new
 from workbench.gui.shared.colours import BAD, rgb_of
 from workbench.gui.shared.look import Placed
 from workbench.gui.shared.solids import Colour, with_hard_edges
@@ -48,4 +48,4 @@ def add_body(
         surface.merge_vertices()
         surface.vertices = surface.vertices + grown * surface.vertex_normals
     points, triangles = with_hard_edges(surface)
-    place(scene.add_mesh_simple(name, points, triangles, color=colour, opacity=opacity), T)
+    place_new(scene.add_mesh_simple(name, points, triangles, color=colour, opacity=opacity), T)

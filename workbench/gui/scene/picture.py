@@ -11,7 +11,7 @@ from workbench.gui.scene.candidate import DrawnCandidates
 from workbench.gui.scene.cloud import PaintedCloud, in_short, painted_cloud, shown_colours
 from workbench.gui.scene.dragged_bodies import DrawnHeld, DrawnLost
 from workbench.gui.scene.marks import DrawnPins, add_lines, draw_reach, draw_rejected
-from workbench.gui.scene.robot import PLANNED, ROBOT, ROBOT_CHECKED, DrawnRobot, place
+from workbench.gui.scene.robot import PLANNED, ROBOT, ROBOT_CHECKED, DrawnRobot, place, place_new
 from workbench.gui.scene.searches import draw_search
 from workbench.gui.scene.stations import DrawnBeside
 from workbench.gui.scene.surroundings import (
@@ -233,7 +233,7 @@ class ScenePicture:
                 dimensions=tuple(obstacle.size.tolist()),
                 opacity=0.35,
             )
-            place(box, obstacle.T_world_box)
+            place_new(box, obstacle.T_world_box)
 
     def _add_parts(self, detections: tuple[Detection, ...]) -> None:
         self._scene.remove_by_name("/parts")

@@ -178,6 +178,17 @@ def place(node: viser.SceneNodeHandle, T: pin.SE3) -> None:
     node.wxyz = quaternion(T)
 
 
+def place_new(node: viser.SceneNodeHandle, T: pin.SE3) -> None:
+    """Move a node that was just added, maybe under the name of one that was just removed.
+
+    Browsers keep the pose of that one, and viser sends none that equals a new node's.  So another
+    pose comes first, which no browser gets: the last one counts.
+    """
+    node.position = T.translation + 1.0
+    node.wxyz = tuple(-value for value in quaternion(T))
+    place(node, T)
+
+
 def quaternion(T: pin.SE3) -> tuple[float, float, float, float]:
     """The rotation of a pose as w, x, y, z."""
     q = pin.Quaternion(T.rotation)

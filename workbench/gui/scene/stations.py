@@ -11,7 +11,7 @@ from workbench.app.picking.pallets import at_rest
 from workbench.app.picking.stations import stands_on_station
 from workbench.gui.scene.contacts import add_body
 from workbench.gui.scene.marks import add_lines
-from workbench.gui.scene.robot import place
+from workbench.gui.scene.robot import place_new
 from workbench.gui.shared.colours import BESIDE_BIN, BRAND, STATION, rgb_of
 from workbench.gui.shared.look import View
 from workbench.gui.texts.scene import PosePageText
@@ -31,7 +31,7 @@ def add_stations(scene: viser.SceneApi, cell: Cell) -> None:
     """The level surfaces on which parts may stand for a moment, each with its name."""
     for station in cell.stations:
         name = f"/stations/{station.name}"
-        place(scene.add_frame(name, show_axes=False), cell.T_world_station(station))
+        place_new(scene.add_frame(name, show_axes=False), cell.T_world_station(station))
         length, width = station.size
         scene.add_box(
             f"{name}/surface",
@@ -54,7 +54,7 @@ def add_regions(scene: viser.SceneApi, bin: Bin) -> None:
     """The edges of the boxes from which parts are taken, each with its name."""
     for number, region in enumerate(bin.regions):
         name = f"/regions/{number}"
-        place(scene.add_frame(name, show_axes=False), bin.T_world_bin * region.T_bin_region)
+        place_new(scene.add_frame(name, show_axes=False), bin.T_world_bin * region.T_bin_region)
         add_lines(scene, f"{name}/edges", edges_of(region), rgb_of(BRAND), 2.0)
         scene.add_label(
             f"{name}/label",

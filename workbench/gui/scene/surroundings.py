@@ -9,7 +9,7 @@ import pinocchio as pin
 import viser
 
 from workbench.gui.scene.robot import ROBOT as DRAWN_ROBOT
-from workbench.gui.scene.robot import ROBOT_CHECKED, place
+from workbench.gui.scene.robot import ROBOT_CHECKED, place_new
 from workbench.gui.scene.shade import shade_of
 from workbench.gui.scene.stations import add_regions, add_stations
 from workbench.gui.shared.colours import GRID, NIGHT_GRID, NIGHT_SKY, SKY, rgb_of
@@ -82,12 +82,12 @@ def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
     """Floor, fixtures, stations, bin, regions and scanner: each is a frame that a drag can move."""
     for fixture in surfaces(cell):
         name = f"/fixtures/{fixture.name}"
-        place(scene.add_frame(name, show_axes=False), fixture.T_world_fixture)
+        place_new(scene.add_frame(name, show_axes=False), fixture.T_world_fixture)
         for number, (colour, points, triangles) in enumerate(by_colour(fixture.solids)):
             scene.add_mesh_simple(f"{name}/{number}", points, triangles, color=colour)
     add_shade(scene, cell)
     add_stations(scene, cell)
-    place(scene.add_frame("/bin", show_axes=False), cell.bin.T_world_bin)
+    place_new(scene.add_frame("/bin", show_axes=False), cell.bin.T_world_bin)
     for number, (colour, points, triangles) in enumerate(by_colour(cell.bin.solids)):
         scene.add_mesh_simple(
             f"/bin/{number}", points, triangles, color=colour, opacity=0.35, side="double"
@@ -96,7 +96,7 @@ def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
     mount = cell.scanner
     columns, rows = mount.resolution
     height = 2 * math.atan(math.tan(mount.field_of_view / 2) * rows / columns)
-    place(scene.add_frame("/scanner", show_axes=False), mount.T_world_scanner)
+    place_new(scene.add_frame("/scanner", show_axes=False), mount.T_world_scanner)
     scene.add_camera_frustum(
         "/scanner/frustum",
         height,
@@ -214,7 +214,7 @@ def show_frames(
                 lie[label] = part
     for number, (label, T) in enumerate(frames.items()):
         node = scene.add_frame(f"/frames/{number}", axes_length=0.06, axes_radius=0.0015)
-        place(node, T)
+        place_new(node, T)
         scene.add_label(f"/frames/{number}/label", label, font_screen_scale=0.7)
         if label in lie:
             mesh = lie[label].mesh

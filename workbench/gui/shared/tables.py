@@ -295,7 +295,8 @@ def _row_html(candidate: Candidate, button: str, words: Words) -> str:
     return (
         f'<tr{refused} title="{escape(words.render(verdict.message))}" {clickable(button)}>'
         f"<td>{candidate.detection + 1}</td>"
-        f'<td translate="no">{escape(candidate.grasp_label)}</td>'
+        f'<td translate="no" title="{escape(candidate.grasp_label)}">'
+        f"{escape(candidate.grasp_label)}</td>"
         f'<td translate="no">{escape(candidate.arm)}</td>'
         f"<td>{badge(verdict_colour(kind), words.render(kind.message))}"
         f'<div class="wb-pair">{escape(pair)}</div></td>'

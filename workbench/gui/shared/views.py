@@ -31,6 +31,7 @@ from workbench.model.plan import Plan, Proof
 from workbench.model.prediction import Predictions
 from workbench.model.release import PickResult
 from workbench.perception.bins.fill_level import parts_in_words
+from workbench.plugins.addresses import is_loopback
 from workbench.proof.claims.clearance import bounds_message
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -59,6 +60,7 @@ MOST_SCORES = 4
 """Of parts that are written one by one; of more the best and the worst."""
 
 AFTER_FAULT = "Bring the robot home, see that its hands are empty, then acknowledge."
+AFTER_SIMULATED_FAULT = "The simulated robot goes home by itself; then acknowledge."
 
 LONG = 60
 """Columns of a state line; a letter of Chinese takes two.  What is longer goes on below."""
@@ -167,7 +169,9 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
         return _box("busy", "", f"{seconds:.1f} s", title=sentence(note))
     match state.phase:
         case Phase.FAULT:
-            return _box("fault", words.render(state.fault), title="Fault:", then=AFTER_FAULT)
+            is_simulated = is_loopback(state.cell.controller.host)
+            then = AFTER_SIMULATED_FAULT if is_simulated else AFTER_FAULT
+            return _box("fault", words.render(state.fault), title="Fault:", then=then)
         case Phase.SENDING:
             return _box("busy", message_text(state.message, words), parts_placed(state, words))
         case Phase.DONE:

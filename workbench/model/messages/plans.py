@@ -59,7 +59,7 @@ class MotionText(Text, subject="motion"):
 class PlanNote(Text, subject="plan"):
     """Remarks of the planner on its plan."""
 
-    NO_OTHER_ARM = "one arm: no second part for the other arm"
+    NO_OTHER_ARM = "one arm: no grasp of another part works with the other arm"
     NEARER = "parts {distance:mm0} apart, below the threshold of {threshold:mm0}"
     FARTHER = "parts {distance:mm0} apart, threshold {threshold:mm0}"
     NOT_AT_ONCE = "the arms cannot work at once: {verdict}"
