@@ -155,6 +155,7 @@ class SlotText(Text, subject="slot"):
     CARRIED = "the {arm} arm carries {tool} already"
     NO_SLOT = "{tool} of the {arm} arm has no slot: state it in the cell file, arm.tool_slot"
     NO_LINK = "robot link {link} couples no tools: change the tool by hand"
+    CHANGING = "the {arm} arm changes its tool: wait for the end"
     UNKNOWN = (
         "after a fault nobody knows which tool the {arm} arm carries: state it in the tab Cell"
     )
