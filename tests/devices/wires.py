@@ -27,7 +27,7 @@ from workbench.devices.rapid.controller import Operator, RapidController
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.rapid.setup import read_setup
-from workbench.model.plan import LEG_NAMES
+from workbench.model.motion import LEG_NAMES
 from workbench.plugins.robot_link import LinkPatience, Simulation
 
 PATIENCE = 300.0

@@ -5,17 +5,8 @@ import pytest
 
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.proofs import ProofText
-from workbench.model.plan import (
-    LEG_NAMES,
-    ArmPlan,
-    Guarantee,
-    Leg,
-    Plan,
-    Proof,
-    Step,
-    Strategy,
-    Violation,
-)
+from workbench.model.motion import LEG_NAMES
+from workbench.model.plan import ArmPlan, Guarantee, Leg, Plan, Proof, Step, Strategy, Violation
 from workbench.model.scan import Detection
 
 

@@ -56,6 +56,7 @@ class AbbProgram(AbbSocket):
         takes_steps=True,
         takes_loads=True,
         takes_openings=True,
+        takes_tools=True,
         longest=LONGEST_WAY,
     )
     send = staticmethod(send_program)

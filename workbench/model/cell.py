@@ -15,7 +15,7 @@ from workbench.model.messages.cells import CellText
 from workbench.model.motion import MotionModel
 from workbench.model.part import Bin, Part, PartPlace, Station
 from workbench.model.recipes.recipe import NO_RECIPE, Recipe
-from workbench.model.robot import ArmScanner, AxisMapping, Robot, Tcp
+from workbench.model.robot import ArmScanner, AxisMapping, Robot, Tcp, ToolSlot
 from workbench.model.scan import LocalizerChoice, Option, PosesFolder
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
@@ -47,8 +47,7 @@ class Tool:
     the lip of a suction cup as it arrives.  `force` [N]: by which each finger closes, or the vacuum
     pulls; None where nobody has said it.  So are `mass` [kg], and, where they are not to be
     estimated, `centre_of_gravity` (3,) [m] and `inertia` (3, 3) [kg m2] about it (`model.load`).
-    `T_flange_tcp` is the pose of `tcp`, which names one of `tcps` where these have names
-    (`derived.by_tcp`); the first one unless a plan states another.
+    `T_flange_tcp` is the pose of `tcp`, one of `tcps`, the first unless a plan states another.
     """
 
     name: str
@@ -98,7 +97,7 @@ class Arm:
     `controller_id`: what the controller calls the arm.  `tool`: what it carries, of all `tools`.
     `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are the most of its joints; without `jerk`
     acceleration may jump.  `place_names`: of `Ts_world_place`.  `mapping`: see `AxisMapping`.
-    `moving_mass` [kg]: of all links that move (`derived.speed_limits`).
+    `moving_mass` [kg]: of all links that move.  `tool_slots`: of tools that it does not carry.
     """
 
     name: str
@@ -120,6 +119,7 @@ class Arm:
     place_names: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     mapping: AxisMapping | None = field(default_factory=lambda: None, metadata=LATER)
     moving_mass: float | None = field(default_factory=lambda: None, metadata=LATER)
+    tool_slots: tuple[ToolSlot, ...] = field(default_factory=tuple, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(

@@ -5,13 +5,14 @@ state is estimated from its solids, and a part's mass is spread evenly over its 
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
+from workbench.model.digest import LATER
 from workbench.model.errors import InputError
 from workbench.model.geometry import (
     Box,
@@ -70,11 +71,12 @@ class Load:
 class Loads:
     """What an arm carries: its `tool`, and the `part` in it, both in the flange frame.
 
-    `part` is None of an arm that takes no part.
+    `part` is None of an arm that takes no part.  `new_tool` is what it changes its tool for.
     """
 
     tool: Load
     part: Load | None
+    new_tool: Load | None = field(default_factory=lambda: None, metadata=LATER)
 
     def carried(self, holding: bool) -> Load:
         """The tool alone, or the tool with the part in it."""
@@ -128,6 +130,12 @@ def tool_loads(tool: Tool) -> Loads | None:
     """What an arm carries that takes no part; None where the mass of the tool is not stated."""
     mine = tool_load(tool)
     return None if mine is None else Loads(mine, None)
+
+
+def change_loads(old: Tool, new: Tool) -> Loads | None:
+    """What an arm carries that changes its tool; None where a mass is not stated."""
+    before, after = tool_load(old), tool_load(new)
+    return None if before is None or after is None else Loads(before, None, after)
 
 
 def tool_load(tool: Tool) -> Load | None:

@@ -13,6 +13,26 @@ from workbench.model.geometry import Floats
 
 Corners = Literal["stop", "blend", "streamed"]
 
+PartLeg = Literal["reach", "approach", "extract", "return", "place", "home"]
+ToolLeg = Literal["stow", "retract", "cross", "dock", "draw"]
+LegName = Literal[PartLeg, ToolLeg, "view", "stir"]
+"""The names of all legs."""
+
+LEG_NAMES: tuple[LegName, ...] = ("reach", "approach", "extract", "return", "place", "home")
+"""The legs of an arm that takes a part."""
+
+VIEW_LEGS: tuple[LegName, ...] = ("view",)
+"""The legs of an arm that takes its scanner to the view."""
+
+STIR_LEGS: tuple[LegName, ...] = ("reach", "stir", "home")
+"""The legs of an arm that stirs the parts in the bin with its hand."""
+
+TOOL_LEGS: tuple[LegName, ...] = ("reach", "stow", "retract", "cross", "dock", "draw", "home")
+"""The legs of an arm that changes its tool: with the old one up to `stow`, then bare up to `dock`.
+
+`stow` and `dock` lead straight to the pose of a slot, `retract` and `draw` straight away from it.
+"""
+
 WHOLE_STEP_WITHIN = 1e-6
 """[smallest step] A limit this close to a whole step is that step."""
 
@@ -35,7 +55,7 @@ class MotionModel:
     switches the digital output of the TCP that takes the part.  `takes_openings`: it moves fingers
     to a leg's opening; else they are wide open, or closed around a part.  `sends_poses`: the
     robot's program gets poses of the hand alone and moves by itself: of that motion nothing is
-    proven.
+    proven.  `takes_tools`: it couples and uncouples tools.
     """
 
     link: str
@@ -53,6 +73,7 @@ class MotionModel:
     sends_poses: bool = field(default_factory=bool, metadata=LATER)
     takes_outputs: bool = field(default_factory=bool, metadata=LATER)
     takes_openings: bool = field(default_factory=bool, metadata=LATER)
+    takes_tools: bool = field(default_factory=bool, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.corners == "streamed" and not self.period > 0:

@@ -19,23 +19,13 @@ from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.plans import PlanNote, StepText, leg_message, strategy_message
 from workbench.model.messages.proofs import violation_message
-from workbench.model.motion import SpeedBound, at_least
+from workbench.model.motion import LegName, SpeedBound, at_least
 from workbench.model.scan import Detection, Obstacle, Scene
 
 PLAN_FORMAT = "workbench-plan/1"
 
 UNSIGNED = frozenset({"seconds", "notes", "digest"})
 """Fields outside a plan's digest: computing times and remarks do not change what moves."""
-
-LegName = Literal["reach", "approach", "extract", "return", "place", "home", "view", "stir"]
-LEG_NAMES: tuple[LegName, ...] = ("reach", "approach", "extract", "return", "place", "home")
-"""The legs of an arm that takes a part."""
-
-VIEW_LEGS: tuple[LegName, ...] = ("view",)
-"""The legs of an arm that takes its scanner to the view."""
-
-STIR_LEGS: tuple[LegName, ...] = ("reach", "stir", "home")
-"""The legs of an arm that stirs the parts in the bin with its hand."""
 
 NO_PART = -1
 """`ArmPlan.detection` of an arm that takes no part."""
@@ -131,7 +121,8 @@ def are_in_step(legs: Sequence[Leg]) -> bool:
 class ArmPlan:
     """All that one arm does with one part: `detection` is an index into the plan's list.
 
-    It is `NO_PART`, and `grasp` empty, of an arm that takes its scanner to the view, or stirs.
+    It is `NO_PART`, and `grasp` empty, of an arm that takes its scanner to the view, or stirs, or
+    takes another `tool`.
     `station` names where the part is put to be taken anew; empty: to a place.  `loads` are those of
     tool and part, which the controller gets; None where the tool's mass is not known.  `found` is
     the grip where the part's library has no grasp of this name.  `tcp` is the tool's; empty: first.
@@ -147,13 +138,14 @@ class ArmPlan:
     loads: Loads | None = field(default_factory=lambda: None, metadata=LATER)
     found: FoundGrip | None = field(default_factory=lambda: None, metadata=LATER)
     tcp: str = field(default_factory=str, metadata=LATER)
+    tool: str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_tcp_part=copy_pose(self.T_tcp_part))
 
     @property
     def takes_part(self) -> bool:
-        """Whether it takes a part, rather than its scanner to the view, or stirs."""
+        """Whether it takes a part, rather than its scanner to the view, a tool, or none."""
         return self.detection != NO_PART
 
     @property
@@ -243,12 +235,18 @@ class Plan(FactsRepr):
     @property
     def is_view_plan(self) -> bool:
         """Whether it only moves a scanner to its view."""
-        return bool(self.arms) and not self.picks and not self.is_stir_plan
+        is_other = self.is_stir_plan or self.is_tool_plan
+        return bool(self.arms) and not self.picks and not is_other
 
     @property
     def is_stir_plan(self) -> bool:
         """Whether an arm only stirs the parts in the bin."""
         return any(leg.name == "stir" for arm in self.arms for leg in arm.legs)
+
+    @property
+    def is_tool_plan(self) -> bool:
+        """Whether an arm only changes its tool."""
+        return any(arm.tool for arm in self.arms)
 
     @property
     def stations(self) -> tuple[str, ...]:

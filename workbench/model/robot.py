@@ -201,6 +201,36 @@ class Tcp:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ToolSlot:
+    """Where a tool of an arm stands while the arm does not carry it.
+
+    `T_world_flange` is the pose of the flange that carries the tool in its slot.  With the tool the
+    flange leaves along `leave` (3,), a unit vector in the world, without it along its own -z; both
+    `distance` [m] far.  On these lines the tool may touch the `fixture` of that name; empty: none.
+    """
+
+    tool: str
+    T_world_flange: pin.SE3
+    leave: Floats
+    distance: float
+    fixture: str = ""
+
+    def __post_init__(self) -> None:
+        put(self, T_world_flange=copy_pose(self.T_world_flange), leave=frozen(self.leave))
+
+    @property
+    def T_world_outside(self) -> pin.SE3:
+        """The pose of the flange where it is out of the slot with the tool."""
+        T = self.T_world_flange
+        return pin.SE3(T.rotation, T.translation + self.distance * np.asarray(self.leave))
+
+    @property
+    def T_world_before(self) -> pin.SE3:
+        """The pose of the flange, without tool, straight before the one that stands there."""
+        return self.T_world_flange * pin.SE3(np.eye(3), np.array([0.0, 0.0, -self.distance]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ScanPosture:
     """A posture of the arm from which its scanner scans: `q` (n,) [rad, m], chain order.
 

@@ -21,7 +21,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.model.errors import CommandRefused, FileError, InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import LEG_NAMES
+from workbench.model.motion import LEG_NAMES
 from workbench.model.scan import Detection
 from workbench.model.symmetry import make_turn
 

@@ -21,7 +21,8 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.plans.plan_files import plan_content
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import LEG_NAMES, Plan
+from workbench.model.motion import LEG_NAMES
+from workbench.model.plan import Plan
 from workbench.model.scan import Detection
 
 LONGEST = 600

@@ -9,11 +9,11 @@ from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
-from workbench.gui.shared.movable_frames import with_tool
 from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.scan import Detection
+from workbench.model.tools.slots import with_mounted
 
 SECOND = """
 [[tool]]
@@ -68,16 +68,16 @@ def test_a_grasp_for_another_tool_is_refused_with_the_reason(path):
     notes = {(one.arm, one.verdict.note) for one in judge(cell, (Detection("keyed_cylinder", T),))}
     assert ("right", VerdictNote.CHANGE_TOOL(tool="cup", carried="smart_gripper")) in notes
     assert ("left", VerdictNote.OTHER_TOOL(tool="cup", carried="smart_gripper")) in notes
-    mounted = with_tool(cell, "right", "cup")
+    mounted = with_mounted(cell, "right", "cup")
     found = judge(mounted, (Detection("keyed_cylinder", T),))
     assert not any("needs tool cup" in str(one.verdict.note) for one in found if one.arm == "right")
 
 
 def test_a_changed_tool_is_saved(path):
     cell = read_cell(path)
-    save_cell(path, with_tool(cell, "right", "cup"))
+    save_cell(path, with_mounted(cell, "right", "cup"))
     assert read_cell(path).arms[0].tool.name == "cup"
-    assert read_cell(path).digest == with_tool(cell, "right", "cup").digest
+    assert read_cell(path).digest == with_mounted(cell, "right", "cup").digest
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,8 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.message import plain
 from workbench.model.messages.plans import PlanNote
 from workbench.model.messages.proofs import ProofText
-from workbench.model.plan import LEG_NAMES, Guarantee, Step, Strategy, Violation
+from workbench.model.motion import LEG_NAMES
+from workbench.model.plan import Guarantee, Step, Strategy, Violation
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.legs import phase_of, stretches

@@ -14,7 +14,8 @@ from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.plans import PlanNote
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.plan import LEG_NAMES, Guarantee, Strategy
+from workbench.model.motion import LEG_NAMES
+from workbench.model.plan import Guarantee, Strategy
 from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
 from workbench.planning.picking.propose import propose

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.model.plan import LEG_NAMES, Leg, Strategy
+from workbench.model.motion import LEG_NAMES
+from workbench.model.plan import Leg, Strategy
 from workbench.planning.collision.world import World
 from workbench.planning.picking import weave
 from workbench.planning.picking.weave import ALL_MOVES, COUNT, Move, Weave, interleave

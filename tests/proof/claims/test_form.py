@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.model.plan import LEG_NAMES, Guarantee, Plan, Step, Strategy
+from workbench.model.motion import LEG_NAMES
+from workbench.model.plan import Guarantee, Plan, Step, Strategy
 from workbench.proof.claims.form import form_violations
 
 

@@ -32,7 +32,8 @@ class Right:
     People give commands, except those `by_machine`; those `by_anybody` come from both.  `also_by`
     is the one machine that may give a command of people.  `role` is the least one that a person
     needs.  While somebody is in control, a command is theirs alone unless it passes
-    `without_control`.  One that `changes_cell` has to wait while a recipe is chosen.
+    `without_control`.  One that `changes_cell` has to wait while a recipe is chosen,
+    one that `plans` while nobody knows which tool an arm carries.
     """
 
     says: CommandText
@@ -45,6 +46,7 @@ class Right:
     role: Role = Role.OPERATOR
     without_control: bool = False
     changes_cell: bool = False
+    plans: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from workbench.app.core.command import Command
 from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import Phase, State
-from workbench.model.messages.cells import RecipeText
+from workbench.model.messages.cells import RecipeText, SlotText
 from workbench.model.messages.message import Message, all_of, as_message, plain
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import NextText, task_message
@@ -38,6 +38,8 @@ def obstacle(state: State, command: type[Command]) -> Message | None:
         return Refusal.TASK_RUNS(command=right.says(), task=task_message(state.job.name))
     if right.changes_cell and state.whole is not None and state.cell.recipe != NO_RECIPE:
         return RecipeText.CELL_FIXED(command=right.says(), number=state.cell.recipe)
+    if right.plans and state.tools_unknown:
+        return SlotText.UNKNOWN(arm=state.tools_unknown[0])
     if problem := command.obstacle(state):
         return problem
     missing = what_is_missing(state, command)

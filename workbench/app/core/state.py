@@ -136,6 +136,8 @@ class SessionState:
     something was, in the chosen bin.
     `earlier` is a scan from other views, which the next one is merged with.
     `stirs` counts how often the parts in the bin were stirred since a plan could take some.
+    `tools_unknown`: arms whose change of tool has ended with a fault, until a person has stated
+    what they carry.
     `ball_scans` and `touches` check the calibrated scanner, up to `check_limits` [m] of spacings
     and touches; 0: as the calibration predicts.
     """
@@ -164,6 +166,7 @@ class SessionState:
     views_without: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     earlier: Scan | None = field(default_factory=lambda: None, metadata=LATER)
     stirs: int = field(default_factory=int, metadata=LATER)
+    tools_unknown: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     ball_scans: tuple[BallScan, ...] = field(default_factory=tuple, metadata=LATER)
     touches: tuple[Touch, ...] = field(default_factory=tuple, metadata=LATER)
     check_limits: tuple[float, float] = field(

@@ -1,1 +1,1 @@
-"""Motions of an empty hand, planned and proven: a scanner's path to its view, stirring."""
+"""Motions of an empty hand, planned and proven: a path to a view, stirring, a change of tool."""

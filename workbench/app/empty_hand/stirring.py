@@ -29,4 +29,4 @@ def plan_stir(cell: Cell, scene: Scene, *, seed: int = 0, report: Report = silen
     world.deadline = processor_time() + cell.policy.seconds
     report(0.1, ProgressText.MOTION())
     found = route_stir(world, content.top, scene, seed=seed)
-    return proven(world, scene, found, began, report)
+    return proven(cell, scene, found, began, report)

@@ -54,4 +54,4 @@ def plan_view(
         raise CommandRefused(Refusal.OTHER_START(start=f"{start!r:.60}", known=known))
     between = (carrier.view.q, carrier.home) if view == HOME else (begin, carrier.view.q)
     found = route_view(world, carrier.arm, between, scan_digest=scene.scan_digest, seed=seed)
-    return proven(world, scene, found, began, report)
+    return proven(cell, scene, found, began, report)

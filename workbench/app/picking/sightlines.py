@@ -34,6 +34,7 @@ def sees_from(cell: Cell, plan: Plan) -> int:
     From there on no arm, finger or held part comes within `CLEAR_OF_VIEW` of what the scanner
     sees, whether it moves or stands.  No part is taken any more.  The parts of the robot that no
     arm moves are as in every scan.  A scanner that cannot see while arms move has no such step.
+    Nor has a change of a tool: the cell is another one after it.
 
     Where a scanner's lenses and lights are apart, the view is from its frame alone.
 
@@ -41,7 +42,7 @@ def sees_from(cell: Cell, plan: Plan) -> int:
         cell: whose scanner it is.
         plan: proven, and the last one before the scan.
     """
-    if not cell.scanner.while_moving or not plan.sequence:
+    if not cell.scanner.while_moving or not plan.sequence or plan.is_tool_plan:
         return 0
     seen = replace(cell, fixtures=(*cell.fixtures, _view(cell.scanner)))
     # A finger moves by half of the stroke at most, so that it is never further than half of that

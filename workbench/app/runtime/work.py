@@ -11,6 +11,7 @@ from workbench.app.calibration.simulated_checks import simulated_balls
 from workbench.app.core.cycle.arm_scanner import view_problem
 from workbench.app.core.cycle.correcting import CORRECT
 from workbench.app.empty_hand.stirring import plan_stir
+from workbench.app.empty_hand.tool_change import plan_tool_change
 from workbench.app.empty_hand.view_plan import plan_view
 from workbench.app.emptying.film import Filmed
 from workbench.app.picking.exactness import with_exactness
@@ -236,6 +237,20 @@ def stir(
     return plan_stir(cell, scene, seed=arguments["seed"], report=report)
 
 
+def change(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> PlanResult:
+    """An arm that changes its tool; parts that were `placed` are in the way."""
+    return plan_tool_change(
+        cell,
+        arguments["arm"],
+        arguments["tool"],
+        placed=boxes_around(cell, arguments["placed"]),
+        seed=arguments["seed"],
+        report=report,
+    )
+
+
 def glance(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> Glance:
@@ -271,6 +286,7 @@ JOBS: Mapping[str, JobFunction] = {
     "plan": plan,
     "view": view,
     "stir": stir,
+    "change": change,
     "import": import_part,
     "tool": make_tool,
     CORRECT: correct,

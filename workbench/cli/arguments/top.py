@@ -156,7 +156,7 @@ class Calibrate:
 
 @dataclass(frozen=True, slots=True)
 class PlanArguments:
-    """Judge every grasp, plan the pick, and prove it; or plan the path to --view, or --stir."""
+    """Judge every grasp, plan the pick, and prove it; or the path to --view, --stir, or --tool."""
 
     cell: Positional[CellName]
     out: Path
@@ -170,6 +170,9 @@ class PlanArguments:
     """Where the path to --view begins: home, or the name of another view."""
     stir: bool = False
     """Plan how an arm stirs the parts at --poses with its hand, instead of a pick."""
+    tool: Maybe[str] = None
+    """Plan how an arm changes its tool for the one of that name; --strategy names the arm where
+    several have a slot for it."""
     scan: Maybe[Path] = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is kept clear of."""
     strategy: Maybe[str] = None

@@ -16,6 +16,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Arm, Cell
 from workbench.model.load import Load, tool_load
 from workbench.model.scan import Detection
+from workbench.planning.empty_hand.tool_change import slot_problem
 from workbench.planning.placing.chance import CONFIDENCE
 from workbench.planning.placing.sources import calibration_error
 from workbench.studies.layout.flange_picture import draw_flanges
@@ -52,6 +53,7 @@ def check_cell(typed: CellCheck) -> int:
         for arm, reach in zip(cell.arms, reaches, strict=True)
         for problem in _problems(cell, arm, reach)
     ]
+    problems += _slot_problems(cell)
     problems += map(str, station_problems(cell))
     problems += map(str, pallet_problems(cell))
     loads = [(arm, tool_load(arm.tool)) for arm in cell.arms]
@@ -189,6 +191,14 @@ def _problems(cell: Cell, arm: Arm, reach: Reach) -> Iterator[str]:
         if not placed.is_clear:
             where = f"{arm.name} arm: at place {placed.number} of parts {placed.part}"
             yield f"{where} {_not_placed(placed, cell.policy.margin * 1000)}"
+
+
+def _slot_problems(cell: Cell) -> Iterator[str]:
+    """Slots where an arm cannot put down their tool, straight in with it and back without."""
+    for arm in cell.arms:
+        for slot in arm.tool_slots:
+            if (verdict := slot_problem(cell, arm.name, slot.tool)) is not None:
+                yield f"{arm.name} arm: cannot put {slot.tool} into its slot: {verdict}"
 
 
 def _not_placed(placed: PlacedPart, margin_mm: float) -> str:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
 from workbench.app.empty_hand.stirring import plan_stir
+from workbench.app.empty_hand.tool_change import plan_tool_change
 from workbench.app.empty_hand.view_plan import plan_view
 from workbench.app.picking.row import check_picks, plan_row
 from workbench.app.runtime.readiness import make_ready
@@ -42,15 +43,18 @@ from workbench.model.plan import Plan, PlanResult
 from workbench.model.recipes.recipe import NO_RECIPE
 from workbench.model.robot import HOME
 from workbench.model.scan import Detection, Scene, Unexplained
+from workbench.model.tools.slots import slot_of
 from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
 
 
 def plan(typed: arguments.PlanArguments) -> int:
-    """Plan for poses from a file, or to a view; write the plan only when its proof holds."""
+    """Plan for poses, to a view, or a change of a tool; write it only when its proof holds."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    if typed.tool is not None:
+        return _plan_tool_change(typed, typed.tool)
     if typed.poses is None and typed.view is None:
-        raise InputError("--poses or --view is expected")
+        raise InputError("--poses, --view or --tool is expected")
     return _plan_view(typed) if typed.poses is None else _plan_picks(typed, typed.poses)
 
 
@@ -65,6 +69,22 @@ def _plan_view(typed: arguments.PlanArguments) -> int:
         result = plan_view(
             cell, view=typed.view or "", start=typed.start, seed=typed.seed, report=report
         )
+        planning = time.perf_counter() - began
+    return _finish(typed, result, ready, planning)
+
+
+def _plan_tool_change(typed: arguments.PlanArguments, tool: str) -> int:
+    """Plan how an arm puts down its tool and takes another one."""
+    cell = _chosen(typed)
+    if typed.protocol is not None:
+        cell = spoken_to_by(cell, typed.protocol)
+    arm = typed.strategy or next(
+        (arm.name for arm in cell.arms if slot_of(arm, tool) is not None), cell.arms[0].name
+    )
+    with progress("plan") as report:
+        make_ready(report, ("planning",))
+        ready, began = seconds_since_start(), time.perf_counter()
+        result = plan_tool_change(cell, arm, tool, seed=typed.seed, report=report)
         planning = time.perf_counter() - began
     return _finish(typed, result, ready, planning)
 
@@ -252,7 +272,7 @@ def _print_words(
         print_candidates("every candidate", result.candidates)
     if result.candidates:
         print(f"candidates: {reasons_words(result.candidates)}")
-    if result.plan is not None and result.plan.is_view_plan:
+    if result.plan is not None and (result.plan.is_view_plan or result.plan.is_tool_plan):
         print("kept clear of the whole bin, which no scan shows")
     elif result.plan is not None and result.plan.is_stir_plan:
         print("kept clear of all but what lies in the bin, which the hand stirs")

@@ -86,7 +86,10 @@ def plan_words(plan: Plan, bound: float, first: Plan | None = None) -> str:
         f"{arm.arm} {FoundPart(part)} by {label_grasp(arm.grasp, arm.tcp)}"
         for part, arm in zip(parts_taken(first, plan), plan.picks, strict=True)
     )
-    taken = taken or "scanner between home and view"
+    if not taken:
+        taken = "scanner between home and view"
+        if plan.is_stir_plan or plan.is_tool_plan:
+            taken = f"to {plan.arms[0].tool}" if plan.is_tool_plan else "stirs the parts"
     motion = f"motion of {cycle_words(plan.cycle_seconds, bound)}"
     words = f"{plan.strategy}, {plan.guarantee}: {taken}; {motion}"
     remarks = [str(renumber(remark, first, plan.detections)) for remark in plan.remarks]

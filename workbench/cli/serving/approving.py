@@ -75,6 +75,10 @@ def facts_of(
         open_by = f"fingers {opening * 1000:.1f} mm open"
         with_what = open_by if cell.arm(plan.strategy.arm).tool.fingers else "its hand"
         facts[f"Arm {plan.strategy.arm}"] = f"{stirs} with {with_what}"
+    if plan.is_tool_plan:
+        changes = f"puts down {cell.arm(plan.strategy.arm).tool.name}, takes {plan.arms[0].tool}"
+        facts[f"Arm {plan.strategy.arm}"] = changes
+        known = "counts as full, since no scan counts"
     nearest, link = proof.nearest, cell.controller
     holds = f"holds, {proof.digest[:SHORTEST]}"
     if link.motion.sends_poses:

@@ -12,7 +12,12 @@ from workbench.devices.abb_loads import LoadData
 from workbench.devices.abb_simulated.faults import Faults
 from workbench.devices.abb_socket.program import LoadOf
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats
+from workbench.model.errors import LinkError
+from workbench.model.geometry import Floats, shift_and_turn
+from workbench.model.tools.slots import with_mounted
+
+IN_SLOT, IN_SLOT_TURN = 0.002, np.deg2rad(0.5)
+"""[m, rad] How far a flange may be off a slot where a tool is coupled."""
 
 
 class SimulatedBody:
@@ -152,6 +157,45 @@ class SimulatedBody:
             else:
                 self._openings[arm] = opening
                 self._holds[arm] = "picked"
+
+    def uncouple(self, arm: str) -> None:
+        """Leave the tool of an arm in its slot.
+
+        Raises:
+            LinkError: the flange is not there, or carries no tool.
+        """
+        with self._lock:
+            carried = self.cell.arm(arm).tool.name
+            if self._slot_at(arm) != carried or not carried:
+                raise LinkError(f"arm {arm} would drop {carried or 'nothing'}: not in its slot")
+            self.cell = with_mounted(self.cell, arm, "")
+            self.carried[arm] = ()
+
+    def couple(self, arm: str, opening: float) -> None:
+        """Take the tool in whose slot the flange of an arm is, and open it to `opening` [m].
+
+        Raises:
+            LinkError: there is none, or the arm carries a tool.
+        """
+        with self._lock:
+            tool = self._slot_at(arm)
+            if not tool or self.cell.arm(arm).tool.name:
+                raise LinkError(f"arm {arm} has no tool to couple where it stands")
+            self.cell = with_mounted(self.cell, arm, tool)
+            self._openings[arm] = opening
+            if (arm, "next") in self._told:
+                self.carried[arm] = (self._told[arm, "next"],)
+
+    def _slot_at(self, name: str) -> str:
+        """The tool in whose slot the flange of an arm is; empty where it is in none."""
+        arm = self.cell.arm(name)
+        values = dict(zip(arm.joints, map(float, self._q[name]), strict=True))
+        T_world_flange = self.cell.T_world_robot * self.cell.robot.link_poses(values)[arm.flange]
+        for slot in arm.tool_slots:
+            shift, turn = shift_and_turn(slot.T_world_flange.actInv(T_world_flange))
+            if shift <= IN_SLOT and turn <= IN_SLOT_TURN:
+                return slot.tool
+        return ""
 
     def has_gripped(self, arm: str) -> bool:
         """Whether a hand has closed and not opened since."""

@@ -91,6 +91,11 @@ class SimulatedController:
         """Where state is reported."""
         return self._states.getsockname()[1]
 
+    @property
+    def tools(self) -> dict[str, str]:
+        """The tool that each arm carries, empty for a bare flange."""
+        return {arm.name: arm.tool.name for arm in self._body.cell.arms}
+
     def state(self) -> dict[str, Any]:
         """The present state as it is reported."""
         return self._body.state()

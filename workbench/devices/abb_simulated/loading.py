@@ -54,6 +54,7 @@ class Loading:
         self._points: list[Floats] = []
         self._seconds: list[float] = []
         self._stands: dict[str, Floats] = {}
+        self._tools = {arm.name: "first" if arm.tool.name else "" for arm in cell.arms}
 
     def take(self, frame: MessageFrame) -> SocketProgram | None:
         """The next message; the program when it was the last one.
@@ -148,9 +149,11 @@ class Loading:
         else:
             raise ProtocolError(f"step {number} came after step {last}")
         points = _whole(words[3], 1, MOST_POINTS, "waypoints")
+        self._couple(arm.name, hand)
         zone, opening = _number(words[4], 0.0, 0.499, 3), _number(words[6], 0.0, 999.9, 1) / 1000
         low, high = arm.tool.stroke
-        if arm.tool.fingers and not low - 1e-4 <= opening <= high + 1e-4:
+        is_known = self._tools[arm.name] == "first" and arm.tool.fingers
+        if is_known and not low - 1e-4 <= opening <= high + 1e-4:
             raise ProtocolError(f"the fingers of arm {arm.name} cannot be at {words[6]} mm")
         name = cast(LegName, _one_of(words[2], get_args(LegName)))
         begin = self._stands[arm.name]
@@ -158,6 +161,14 @@ class Loading:
         leg = ProgramLeg(arm.name, name, zone, cast(Hand, hand), opening, empty, np.empty(0))
         self._leg = (arm, leg, points)
         self._points, self._seconds = [begin], []
+
+    def _couple(self, arm: str, hand: str) -> None:
+        """A tool is uncoupled only from an arm that carries one, and coupled to a bare flange."""
+        is_bare = not self._tools[arm]
+        if (hand, is_bare) in (("couple", False), ("uncouple", True)):
+            raise ProtocolError(f"{hand} of arm {arm} comes where that cannot be")
+        if hand in ("couple", "uncouple"):
+            self._tools[arm] = "next" if hand == "couple" else ""
 
     def _to(self, words: list[str]) -> None:
         if self._leg is None:

@@ -124,6 +124,10 @@ class Motion:
         for leg in step.legs:
             if leg.hand == "grip":
                 self._body.grip(leg.arm, leg.opening)
+            elif leg.hand == "uncouple":
+                self._body.uncouple(leg.arm)
+            elif leg.hand == "couple":
+                self._body.couple(leg.arm, leg.opening)
             elif leg.hand == "open" and (result := self._body.open(leg.arm, leg.opening)):
                 yield f"part {self._letters[leg.arm]} {result}"
         if any(leg.hand != "keep" for leg in step.legs):

@@ -21,8 +21,12 @@ from workbench.model.plan import Guarantee, Leg, LegName, Plan, Step, are_in_ste
 from workbench.model.release import Approval
 
 Mode = Literal["alone", "free", "sync"]
-Hand = Literal["open", "grip", "keep"]
-LoadOf = Literal["tool", "part"]
+Hand = Literal["open", "grip", "keep", "uncouple", "couple"]
+LoadOf = Literal["tool", "part", "next"]
+"""Of the tool, the part that it takes, or the tool that it is changed for."""
+
+COUPLING: Mapping[str, Hand] = {"retract": "uncouple", "draw": "couple"}
+"""What happens to the tool before a leg."""
 
 MOST_POINTS = 400
 """Waypoints of one arm that a controller has room for."""
@@ -46,7 +50,7 @@ class ProgramLeg:
 
     `q` (m + 1, n) [rad], chain order, first where the arm stands; `seconds` (m,) [s] from each
     waypoint to the next; `zone` rounds the corners, as a fraction of the neighbouring segments;
-    `hand` is what the fingers do before, to `opening` [m].
+    `hand` happens before: fingers move to `opening` [m], or the tool is uncoupled or coupled.
     """
 
     arm: str
@@ -76,7 +80,7 @@ class SocketProgram:
     `digest` is the plan's, `ticket` the beginning of the approval's: a controller runs each
     ticket once.  `starts` (arm -> (n,) [rad]) is where every arm has to stand before.
     `is_stepped`: it waits before each step until that one may run.  `loads` are those of the tool
-    of an arm, and of the part that it takes.
+    of an arm, of the part that it takes, and of the tool that comes next.
     """
 
     digest: str
@@ -119,6 +123,8 @@ def program_of(cell: Cell, plan: Plan, approval: Approval) -> SocketProgram:
             loads[arm_plan.arm, "tool"] = load_data(arm_plan.loads.tool)
             if arm_plan.loads.part is not None:
                 loads[arm_plan.arm, "part"] = load_data(arm_plan.loads.part)
+            if arm_plan.loads.new_tool is not None:
+                loads[arm_plan.arm, "next"] = load_data(arm_plan.loads.new_tool)
     program = SocketProgram(plan.digest, ticket, starts, steps, approval.is_stepped, loads)
     for arm in cell.arms:
         legs = [leg for leg in program.legs if leg.arm == arm.name]
@@ -171,6 +177,8 @@ def _seconds(cell: Cell, arm: str, leg: Leg, share: float) -> Floats:
 
 
 def _hand(leg: Leg, before: Leg | None) -> Hand:
+    if leg.name in COUPLING:
+        return COUPLING[leg.name]
     if leg.holding:
         return "keep" if before is not None and before.holding else "grip"
     if before is None or before.holding or before.opening != leg.opening:

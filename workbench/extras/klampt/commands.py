@@ -41,6 +41,8 @@ def export_world(typed: arguments.ExportWorld) -> int:
 
 def _snapshots(cell: Cell, plan: Plan) -> Iterator[tuple[str, Snapshot]]:
     """The cell at every leg, named by its number, arm and leg."""
+    if plan.is_tool_plan:
+        raise InputError("a plan that changes a tool has no single world: it is not exported")
     by = by_plan(cell, plan)
     placed = [
         WorldPart(part_label(number), cell.part(detection.part), detection.T_world_part)

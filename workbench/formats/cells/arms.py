@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from workbench.formats.cells.places import read_places
-from workbench.formats.cells.tools import read_tool
+from workbench.formats.cells.tools import read_slots, read_tool
 from workbench.formats.files.toml_keys import Table, quote
 from workbench.model.cell import ARM_NAME, Arm, Tool
 from workbench.model.errors import InputError
@@ -103,6 +103,7 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         jerk=_jerk(table, count),
         tools=tuple(_known_tool(table, "tools", tool_name, tools) for tool_name in names),
         moving_mass=_moving_mass(table),
+        tool_slots=read_slots(table, names),
         mapping=_mapping(table, [robot.joint(joints[k]).kind == "prismatic" for k in axis_order]),
     )
     table.finish()

@@ -95,6 +95,8 @@ def _arm(before: Arm, after: Arm) -> Iterator[Message]:
         yield DifferenceText.HOME(arm=name, turn=most)
     if digest_of(before.tool) != digest_of(after.tool):
         yield DifferenceText.OTHER_TOOL(arm=name)
+    if digest_of(before.tool_slots) != digest_of(after.tool_slots):
+        yield DifferenceText.TOOL_SLOTS(arm=name)
     places = [digest_of([arm.Ts_world_place, arm.part_places]) for arm in (before, after)]
     if places[0] != places[1]:
         yield DifferenceText.OTHER_PLACES(arm=name)

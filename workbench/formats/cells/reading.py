@@ -16,7 +16,7 @@ from workbench.formats.cells.devices import (
 )
 from workbench.formats.cells.places import check_kinds, read_bins, read_stations
 from workbench.formats.cells.recipes import check_recipes, read_recipes
-from workbench.formats.cells.tools import check_grasp_tcps
+from workbench.formats.cells.tools import check_grasp_tcps, check_slots
 from workbench.formats.files.shipped import exists, find
 from workbench.formats.files.toml_keys import Table, read_toml
 from workbench.formats.meshes.solids import read_pose, read_solid
@@ -42,6 +42,7 @@ from workbench.model.errors import FileError, InputError
 from workbench.model.part import Part
 from workbench.model.robot import Link, Robot
 from workbench.model.scan import LocalizerChoice, PosesFolder
+from workbench.model.tools.slots import standing_name
 from workbench.plugins.misfit import link_problem
 from workbench.plugins.planner import planner_names
 from workbench.plugins.robot_link import (
@@ -86,8 +87,9 @@ def read_cell(name: str | Path) -> Cell:
     policy, approvers = _policy(table.table("policy")) if table.has("policy") else (Policy(), 1)
     fixtures = tuple(_fixture(fixture) for fixture in table.tables("fixture"))
     called, (box, *other_bins) = table.text("name"), read_bins(table)
-    # The page and world files know the other bins as fixtures.
+    # The page and world files know the other bins, and tools in their slots, as fixtures.
     names = [fixture.name for fixture in fixtures]
+    names += [standing_name(arm, slot.tool) for arm in arms for slot in arm.tool_slots]
     table.once("fixture.name", names + [f"bin {each.name}" for each in (box, *other_bins)])
     scanner, arms = _scanner(table.table("scanner"), robot, T_world_robot, arms)
     cell = Cell(
@@ -126,6 +128,7 @@ def read_cell(name: str | Path) -> Cell:
     names = [part.name for part in cell.parts]
     table.once("parts", names)
     check_grasp_tcps(table, cell)
+    check_slots(table, cell)
     if cell.poses_folder is not None and cell.poses_folder.part not in ("", *names):
         raise table.error("detections.part", f"is not one of {', '.join(names)}")
     for arm in cell.arms:

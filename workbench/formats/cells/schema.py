@@ -17,7 +17,7 @@ from workbench.formats.cells.devices import read_localizer
 from workbench.formats.cells.places import read_bin, read_places, read_stations
 from workbench.formats.cells.reading import read_cell, read_poses_folder
 from workbench.formats.cells.recipes import OF_INSERTION, read_recipes
-from workbench.formats.cells.tools import LOAD_KEYS, read_tcp
+from workbench.formats.cells.tools import LOAD_KEYS, read_slots, read_tcp
 from workbench.formats.files.shipped import find
 from workbench.formats.files.toml_keys import NOTES, Notes, Table
 from workbench.formats.meshes.solids import read_solid
@@ -59,6 +59,8 @@ A_RECORD = {
 }
 
 A_PLACE = {"part": "cap", "part_position_mm": [0, 0, 0], "centred_mm": 0.1, "centred_deg": 0.1}
+
+A_SLOT = {"tool": "cup", "fixture": "rack"}
 
 A_STATION = {"name": "table", "size_mm": [100, 100]}
 
@@ -150,6 +152,7 @@ def cell_schema() -> dict[str, Any]:
         read_record(Table(file, A_RECORD, "scanner.calibration."))
         read_poses_folder(Table(file, {"path": "poses"}, "detections."))
         read_places(Table(file, {"place": [A_PLACE]}, "arm[]."))
+        read_slots(Table(file, {"tool_slot": [A_SLOT]}, "arm[]."), ("cup",))
         read_stations(Table(file, {"station": [A_STATION]}), ())
         read_recipes(Table(file, {"recipe": [A_RECIPE]}))
         read_localizer(Table(file, {"name": names("workbench.localizers")[0]}, "localizer."))

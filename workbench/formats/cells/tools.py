@@ -1,16 +1,20 @@
 """A tool of a cell file: by its solids and fingers, or by its kind and a few numbers."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.formats.cells.devices import read_options, refused_at
+from workbench.formats.cells.places import read_direction
+from workbench.formats.files.toml_documents import number, numbers, text
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import read_pose, read_solid
 from workbench.model.cell import Cell, Finger, Tool
 from workbench.model.geometry import Floats, Mesh, Solid
 from workbench.model.load import load_problem
-from workbench.model.robot import Tcp
+from workbench.model.robot import Tcp, ToolSlot
 from workbench.plugins.found import load, names
 from workbench.plugins.tool import made_tool
 
@@ -114,6 +118,57 @@ def _check_tcps(table: Table, tool: Tool) -> None:
             if solid not in names:
                 problem = f"{tcp.name!r} touches {solid!r}, the tool has {', '.join(names)}"
                 raise table.error("tcp", problem)
+
+
+def read_slots(table: Table, tools: Sequence[str]) -> tuple[ToolSlot, ...]:
+    """Where the tools of an arm stand while it does not carry them.
+
+    Args:
+        table: of the arm.
+        tools: the names of all that it can carry.
+
+    Raises:
+        FileError: names the file, the key, its value and what was expected.
+    """
+    slots: list[ToolSlot] = []
+    for slot in table.tables("tool_slot"):
+        tool, T_world_flange = slot.text("tool"), read_pose(slot)
+        if tool not in tools:
+            problem = f"{tool!r} is not one of {', '.join(tools)}, which the arm can carry"
+            raise slot.error("tool", problem)
+        x, y, z = (float(value) for value in -T_world_flange.rotation[:, 2])
+        leave = np.array(read_direction(slot, "leave", (x, y, z)))
+        distance = slot.number("leave_mm", 100, low=1, high=1000) / 1000
+        fixture = slot.text("fixture", "", empty=True)
+        slot.finish()
+        slots.append(ToolSlot(tool, T_world_flange, leave, distance, fixture))
+    table.once("tool_slot.tool", (slot.tool for slot in slots))
+    return tuple(slots)
+
+
+def check_slots(table: Table, cell: Cell) -> None:
+    """Refuse a slot in a fixture that the cell does not have.
+
+    Raises:
+        FileError: names the fixture and those there are.
+    """
+    known = [fixture.name for fixture in cell.fixtures]
+    for slot in (slot for arm in cell.arms for slot in arm.tool_slots):
+        if slot.fixture and slot.fixture not in known:
+            problem = f"{slot.fixture!r} is not one of {', '.join(known) or 'no fixtures'}"
+            raise table.error("arm.tool_slot.fixture", problem)
+
+
+def slot_lines(slot: ToolSlot) -> Iterator[str]:
+    """The table `[[arm.tool_slot]]`, line by line."""
+    T = slot.T_world_flange
+    yield from ("", "[[arm.tool_slot]]", f"tool = {text(slot.tool)}")
+    yield f"position_mm = {numbers(np.round(T.translation * 1000, 4))}"
+    yield f"rpy_deg = {numbers(np.round(np.rad2deg(pin.rpy.matrixToRpy(T.rotation)), 6))}"
+    yield f"leave = {numbers(np.round(slot.leave, 9))}"
+    yield f"leave_mm = {number(slot.distance * 1000)}"
+    if slot.fixture:
+        yield f"fixture = {text(slot.fixture)}"
 
 
 def check_grasp_tcps(table: Table, cell: Cell) -> None:

@@ -14,6 +14,7 @@ import pinocchio as pin
 
 from workbench.formats.cells.calibrations import record_table
 from workbench.formats.cells.recipes import recipe_lines
+from workbench.formats.cells.tools import slot_lines
 from workbench.formats.files.toml_documents import number, numbers, text
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
 from workbench.formats.meshes.triangles import stl_of, surface_of
@@ -277,12 +278,8 @@ def _mapping(cell: Cell, arm: Arm) -> Iterator[str]:
 def _arm(cell: Cell, arm: Arm, q_home: Floats) -> Iterator[str]:
     axes = np.argsort(arm.axis_order) + 1
     home = np.rad2deg(arm.to_axes(q_home))
-    yield from (
-        "",
-        "[[arm]]",
-        f"name = {text(arm.name)}",
-        f"controller_id = {text(arm.controller_id)}",
-    )
+    yield from ("", "[[arm]]", f"name = {text(arm.name)}")
+    yield f"controller_id = {text(arm.controller_id)}"
     yield f"flange = {text(arm.flange)}"
     yield f"tool = {text(arm.tool.name)}"
     if len(arm.tools) > 1:
@@ -303,6 +300,8 @@ def _arm(cell: Cell, arm: Arm, q_home: Floats) -> Iterator[str]:
         yield "passes_parts_on = true    # each is taken away before the arm brings another"
     if arm.needs_roll:
         yield "needs_roll = true         # only parts whose roll the scan shows are put there"
+    for slot in arm.tool_slots:
+        yield from slot_lines(slot)
     names = names_of(len(arm.Ts_world_place), arm.place_names)
     for T, name in zip(arm.Ts_world_place, names, strict=True):
         yield from ("", "[[arm.place]]", *_place_name(name), *_pose(T))

@@ -196,7 +196,7 @@ def _arm(table: Table, detections: int) -> ArmPlan:
     table.once("joints", joints)
     legs = tuple(_leg(leg, len(joints)) for leg in _few(table, "legs"))
     table.once("legs", (leg.name for leg in legs))
-    takes_part = not any(leg.name in ("view", "stir") for leg in legs)
+    takes_part = not table.has("tool") and not any(leg.name in ("view", "stir") for leg in legs)
     if takes_part and detections == 0:
         raise table.error("detection", "the plan has no detections for it to be one of")
     low, high = (0, detections - 1) if takes_part else (NO_PART, NO_PART)
@@ -211,6 +211,7 @@ def _arm(table: Table, detections: int) -> ArmPlan:
         loads=_loads(table.table("loads")) if table.has("loads") else None,
         found=_found_grip(table.table("found")) if table.has("found") else None,
         tcp=name_in(table, "tcp") if table.has("tcp") else "",
+        tool=name_in(table, "tool") if table.has("tool") else "",
     )
     table.finish()
     return arm
@@ -228,7 +229,8 @@ def _found_grip(table: Table) -> FoundGrip:
 
 def _loads(table: Table) -> Loads:
     part = None if table.is_null("part") else _load(table.table("part"))
-    loads = Loads(_load(table.table("tool")), part)
+    new_tool = _load(table.table("new_tool")) if table.has("new_tool") else None
+    loads = Loads(_load(table.table("tool")), part, new_tool)
     table.finish()
     return loads
 

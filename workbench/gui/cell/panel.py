@@ -7,8 +7,9 @@ import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.app.core.cell.changes import ChangeCell, RedoCell, SaveCell, UndoCell
+from workbench.app.core.cell.changes import ChangeCell, RedoCell, SaveCell, StateTool, UndoCell
 from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.state import State
 from workbench.gui.cell.commissioning import steps_html
 from workbench.gui.cell.jogging import JogControls
 from workbench.gui.cell.tool_upload import ToolUpload
@@ -27,7 +28,6 @@ from workbench.gui.shared.movable_frames import (
     pose_of,
     things,
     tool_of,
-    with_tool,
 )
 from workbench.gui.shared.views import not_redone, not_saved, not_undone
 from workbench.gui.shared.visitor import Visitor
@@ -36,7 +36,7 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.messages.commands import EditText
 
-NOT_SHOWN = "not shown"
+NOT_SHOWN, NOT_KNOWN = "not shown", "not known"
 GIZMO = 0.18
 """[m] Size of the gizmo that moves a thing."""
 
@@ -144,7 +144,7 @@ class CellPanel:
                 control.disabled = bool(lacks)
             self._visitor.allow(self._measure, lacks)
             self._line.content = cell_line(state, self._visitor.words)
-            self._show_tools(cell, cannot)
+            self._show_tools(state, self._visitor.obstacle(state, StateTool))
             self._upload.show(state)
             if tool := self._upload.take_arrival(state):
                 # Its TCP is what comes next: the gizmo is there.
@@ -162,14 +162,17 @@ class CellPanel:
             self._reached.content = reach_line(new.look.reach, new.reached, self._visitor.words)
         self._jog.show(old, new)
 
-    def _show_tools(self, cell: Cell, cannot: str) -> None:
+    def _show_tools(self, state: State, cannot: str) -> None:
         for name, dropdown in self._tools.items():
-            tools = tuple(tool.name for tool in cell.arm(name).tools)
+            tools = tuple(tool.name for tool in state.cell.arm(name).tools)
             dropdown.disabled, dropdown.visible = bool(cannot), len(tools) > 1
-            if dropdown.options != tools:
-                dropdown.options = tools
-            if dropdown.value != cell.arm(name).tool.name:
-                dropdown.value = cell.arm(name).tool.name
+            is_unknown = name in state.tools_unknown
+            options = (NOT_KNOWN, *tools) if is_unknown else tools
+            if dropdown.options != options:
+                dropdown.options = options
+            value = NOT_KNOWN if is_unknown else state.cell.arm(name).tool.name
+            if dropdown.value != value:
+                dropdown.value = value
 
     def _react(self) -> None:
         visitor, look = self._visitor, self._visitor.look
@@ -234,14 +237,13 @@ class CellPanel:
 
     def _on_mount(self, event: Any, arm: str) -> None:
         """A person has put another tool on an arm."""
-        tool = event.target.value
-        if event.client is None or tool == self._visitor.cell.arm(arm).tool.name:
+        tool, state = str(event.target.value), self._visitor.bench.state
+        is_known = arm not in state.tools_unknown
+        if event.client is None or tool == NOT_KNOWN:
             return
-        self._visitor.ask(
-            lambda: ChangeCell(
-                with_tool(self._visitor.cell, arm, tool), EditText.TOOL(arm=arm, tool=tool)
-            )
-        )
+        if is_known and tool == self._visitor.cell.arm(arm).tool.name:
+            return
+        self._visitor.ask(lambda: StateTool(arm, tool))
 
     def _otherwise(self, T: pin.SE3) -> Mapping[str, Any] | None:
         """What is other while a thing is dragged; scanner and TCP are in no verdict."""

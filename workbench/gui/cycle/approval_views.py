@@ -147,6 +147,10 @@ def _plan(cell: Cell, plan: Plan) -> list[Fact]:
         has_fingers = bool(cell.arm(plan.strategy.arm).tool.fingers)
         stirs = ApprovalText.STIRS_OPEN(opening=opening) if has_fingers else ApprovalText.STIRS()
         facts.append((name, stirs))
+    if plan.is_tool_plan:
+        name = LabelText.ARM(arm=plan.strategy.arm.capitalize())
+        old, new = cell.arm(plan.strategy.arm).tool.name, plan.arms[0].tool
+        facts.append((name, ApprovalText.CHANGES_TOOL(old=old, new=new)))
     for arm in plan.picks:
         kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
         grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=label_grasp(arm.grasp, arm.tcp))

@@ -1,4 +1,4 @@
-"""Buttons that plan motions of an empty hand: of a scanner to its view or home, and stirring."""
+"""Buttons that plan motions of an empty hand: a scanner to its view, stirring, a change of tool."""
 
 from typing import Any
 
@@ -6,19 +6,20 @@ import viser
 
 from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.cycle.arm_scanner import is_at_view
-from workbench.app.core.cycle.empty_hand import PlanStir, PlanView, may_stir
+from workbench.app.core.cycle.empty_hand import PlanStir, PlanToolChange, PlanView, may_stir
 from workbench.app.core.state import State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import view_name, views_of
 from workbench.model.robot import HOME
+from workbench.model.tools.slots import stands_in_slot
 
 SAYS = "Plans the path of the arm with the scanner between home and view; then a person approves."
 
 TO_VIEW, TO_HOME = "Go to view", "Go back home"
 
-NO_VIEW = "-"
+NO_VIEW = NO_TOOL_THERE = "-"
 
 
 class StirButton:
@@ -43,6 +44,58 @@ class StirButton:
         is_stuck = bool(state.detections) and state.verdict is not None and state.plan is None
         self.button.visible = self._gap.visible = is_stuck
         return is_stuck and may_stir(state)
+
+
+class ToolButton:
+    """Below **Plan**, to be seen where a tool of an arm stands in its slot."""
+
+    def __init__(self, visitor: Visitor, seed: viser.GuiInputHandle[int]):
+        """Add the list and the button; `seed` is the field with the seed of the request."""
+        self._visitor, self._seed = visitor, seed
+        self._choices = _standing(visitor.cell)
+        self._chosen: Any = visitor.gui.add_dropdown(
+            "Tool in its slot",
+            tuple(self._choices) or (NO_TOOL_THERE,),
+            visible=False,
+            hint="What the arm takes instead of the tool that it carries.",
+        )
+        self._button = visitor.gui.add_button(
+            "Change tool",
+            icon=viser.Icon.TOOL,
+            color="gray",
+            visible=False,
+            hint="Plans how the arm puts down its tool and takes the other one; then a person "
+            "approves. The scan is void then.",
+        )
+        visitor.on_press(self._button, self.command)
+
+    def command(self) -> PlanToolChange:
+        """What a press asks for."""
+        arm, tool = self._choices.get(str(self._chosen.value), ("", str(self._chosen.value)))
+        return PlanToolChange(tool, arm, whole(self._seed.value))
+
+    def show(self, new: View) -> None:
+        """Bring it up to date."""
+        visitor, names = self._visitor, tuple(self._choices)
+        self._choices = _standing(new.state.cell)
+        if tuple(self._choices) != names and self._choices:
+            self._chosen.options = tuple(self._choices)
+        self._chosen.visible = self._button.visible = bool(self._choices)
+        if self._choices:
+            problem = visitor.refusal(new.state, self.command(), new.at, new.live.joints)
+            visitor.allow(self._button, visitor.words.render(problem))
+
+
+def _standing(cell: Cell) -> dict[str, tuple[str, str]]:
+    """Arm and tool of all tools in their slots, by what people call them."""
+    found = [
+        (arm.name, slot.tool)
+        for arm in cell.arms
+        for slot in arm.tool_slots
+        if stands_in_slot(arm, slot.tool)
+    ]
+    is_one = len(cell.arms) == 1
+    return {tool if is_one else f"{arm}: {tool}": (arm, tool) for arm, tool in found}
 
 
 class ViewButton:

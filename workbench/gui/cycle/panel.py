@@ -24,7 +24,7 @@ from workbench.app.picking.facts import bin_check_of
 from workbench.gui.cycle.approval import ApprovalDialog, row_of
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.bins import BinInput
-from workbench.gui.cycle.empty_hand import StirButton, ViewButton
+from workbench.gui.cycle.empty_hand import StirButton, ToolButton, ViewButton
 from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.kit import KitInputs
 from workbench.gui.cycle.outcomes import OutcomeInputs
@@ -156,6 +156,7 @@ class CyclePanel:
             self._plan_line = gui.add_html("")
             self._row.add_row()
             self._stir = StirButton(self._visitor, self._seed)
+            self._tool = ToolButton(self._visitor, self._seed)
             self._help_line = gui.add_html("", visible=False)
             self._fix = FixInputs(self._visitor)
 
@@ -241,6 +242,7 @@ class CyclePanel:
         # The button beside Stop lets the robot move, and none stands where Send was just pressed.
         self._send.visible = self._send_line.visible = not is_stepped
         stirs_next = self._stir.show(state)
+        self._tool.show(new)
         buttons = (
             (self._scan, TakeScan()),
             (self._find, FindParts()),

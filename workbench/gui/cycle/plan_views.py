@@ -41,6 +41,9 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
         bounds = (bound.point for bound in proof.speeds if bound.leg == "stir")
         stirs = max(bounds, default=state.cell.policy.stir_speed)
         result = CyclePageText.STIRS(arm=plan.strategy.arm, speed=ceil_speed(stirs))
+    elif plan.is_tool_plan:
+        changed = plan.arms[0]
+        result = CyclePageText.CHANGES_TOOL(arm=changed.arm, tool=changed.tool)
     elif unknown := sum(not obstacle.part for obstacle in plan.obstacles):
         result = CyclePageText.UNKNOWN_CLEAR(strategy=result, count=unknown)
     speed = speed_message(proof)

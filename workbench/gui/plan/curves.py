@@ -39,6 +39,11 @@ COLOUR_SHARES: Mapping[str, float] = {
     "home": 0.25,
     "view": 0.4,
     "stir": 0.85,
+    "stow": 0.75,
+    "retract": 1.0,
+    "cross": 0.55,
+    "dock": 0.75,
+    "draw": 1.0,
 }
 """How much of the arm's colour a leg has, by its name on the page: legs that follow differ."""
 

@@ -302,13 +302,14 @@ class ScenePicture:
     def _pose_robot(self, robot: DrawnRobot, stands: Mapping[str, ArmMoment]) -> None:
         links = self._kinematics.link_poses(joint_values(self._cell, stands))
         robot.pose(links, {arm: moment.opening for arm, moment in stands.items()})
+        robot.carry({arm: moment.tool for arm, moment in stands.items()})
 
 
 def is_other_robot(first: Cell, second: Cell) -> bool:
     """Whether robot, arms or tools are drawn otherwise."""
 
     def state_to_draw(cell: Cell) -> str:
-        arms = [(arm.name, arm.joints, arm.flange, arm.tool) for arm in cell.arms]
+        arms = [(a.name, a.joints, a.flange, a.tool, a.tools, a.tool_slots) for a in cell.arms]
         return digest_of((cell.robot, arms))
 
     return state_to_draw(first) != state_to_draw(second)

@@ -1,6 +1,7 @@
 """A robot with its tools in the scene: added once, then only moved."""
 
 from collections.abc import Mapping, Sequence, Set
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -11,6 +12,7 @@ from workbench.gui.shared.solids import Colour, by_colour
 from workbench.model.cell import Arm, Cell, Finger
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Solid
+from workbench.model.tools.slots import tool_of_arm
 
 ROBOT, PLANNED, ROBOT_CHECKED = "/robot", "/planned", "/robot_checked"
 """Nodes that all browsers share: the real robot, solid; the planned one; and as it is checked."""
@@ -69,15 +71,13 @@ class DrawnRobot:
             self._links[link.name] = node
             solids = link.collision if as_checked else link.visual
             self._add(f"{name}/{link.name}/visual", solids)
+        self._tools: dict[str, dict[str, viser.FrameHandle]] = {}
         for arm in cell.arms if arms is None else arms:
-            tool = f"{name}/{arm.flange}/{arm.tool.name}"
-            self._add(f"{tool}/body", arm.tool.body)
             self._add(f"{name}/{arm.flange}/scanner", cell.scanner.housing_of(arm.name))
-            self._fingers[arm.name] = []
-            for finger in arm.tool.fingers:
-                node = scene.add_frame(f"{name}/{finger_name(arm, finger)}", show_axes=False)
-                self._add(f"{name}/{finger_name(arm, finger)}/visual", (finger.solid,))
-                self._fingers[arm.name].append((finger, node))
+            self._fingers[arm.name], self._tools[arm.name] = [], {}
+            slots = (tool_of_arm(arm, slot.tool) for slot in arm.tool_slots)
+            for tool in {tool.name: tool for tool in (arm.tool, *slots)}.values():
+                self._add_tool(name, replace(arm, tool=tool), is_carried=tool is arm.tool)
 
     def pose(self, Ts_world_link: Mapping[str, pin.SE3], openings: Mapping[str, float]) -> None:
         """Move everything.
@@ -94,8 +94,17 @@ class DrawnRobot:
             opening = openings.get(arm, 0.0)
             for finger, node in fingers:
                 shift = opening / 2 * finger.direction
-                if self._is_new(f"{arm} {finger.solid.name}", shift):
+                if self._is_new(node.name, shift):
                     node.position = shift
+
+    def carry(self, tools: Mapping[str, str | None]) -> None:
+        """Show the tools that arms carry, by name; empty: a bare flange; None: the mounted one."""
+        for arm, nodes in self._tools.items():
+            mounted, wanted = next(iter(nodes)), tools.get(arm)
+            for tool, node in nodes.items():
+                is_carried = tool == (mounted if wanted is None else wanted)
+                if node.visible != is_carried:
+                    node.visible = is_carried
 
     def show(self, is_visible: bool) -> None:
         """Show or hide it as a whole."""
@@ -120,6 +129,17 @@ class DrawnRobot:
         self._is_drained = is_drained
         for mesh, own in zip(self._meshes, self._own, strict=True):
             mesh.color = drain_colour(own) if is_drained else own
+
+    def _add_tool(self, name: str, arm: Arm, *, is_carried: bool) -> None:
+        """Add the tool of an arm below the robot's node, to be seen while it is carried."""
+        tool = f"{name}/{arm.flange}/{arm.tool.name}"
+        frame = self._scene.add_frame(tool, show_axes=False, visible=is_carried)
+        self._tools[arm.name][arm.tool.name] = frame
+        self._add(f"{tool}/body", arm.tool.body)
+        for finger in arm.tool.fingers:
+            node = self._scene.add_frame(f"{name}/{finger_name(arm, finger)}", show_axes=False)
+            self._add(f"{name}/{finger_name(arm, finger)}/visual", (finger.solid,))
+            self._fingers[arm.name].append((finger, node))
 
     def _add(self, name: str, solids: tuple[Solid, ...]) -> None:
         meshes = add_solids(self._scene, name, solids, self._colour, self._opacity)

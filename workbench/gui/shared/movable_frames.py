@@ -175,12 +175,6 @@ def with_home(cell: Cell, arm: str, home: Floats) -> Cell:
     return _with_arm(cell, arm, home=home)
 
 
-def with_tool(cell: Cell, arm: str, tool: str) -> Cell:
-    """The cell with another of an arm's tools mounted."""
-    mounted = next(known_tool for known_tool in cell.arm(arm).tools if known_tool.name == tool)
-    return _with_arm(cell, arm, tool=mounted)
-
-
 def _with_arm(cell: Cell, name: str, **fields: Any) -> Cell:
     return replace(cell, arms=_arms_with(cell, name, **fields))
 

@@ -13,6 +13,7 @@ from workbench.model.derived.by_tcp import by_plan, by_taking, from_current_tcp
 from workbench.model.derived.row_parts import parts_taken
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, Plan
+from workbench.model.tools.legs import carried_on
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
@@ -38,7 +39,8 @@ class Run:
     """One leg of one arm on the clock of a plan, or of a row; `start`, `end` [s].
 
     `plan` is the place of its plan in the row, `does` what people call the leg there; empty: by its
-    name.  `tcp` is that of the arm's plan.
+    name.  `tcp` is that of the arm's plan.  `tool`: what the arm carries on a change of its tool,
+    empty: a bare flange; None: the mounted tool.
     """
 
     arm: str
@@ -48,6 +50,7 @@ class Run:
     plan: int = 0
     does: str = ""
     tcp: str = ""
+    tool: str | None = None
 
     @property
     def words(self) -> str:
@@ -72,12 +75,13 @@ class SyncPoint:
 class ArmMoment:
     """What one arm does at one time: its joints `q` (n,) [rad], its fingers' `opening` [m].
 
-    `leg` is the leg under way, or the last one that was; None before the first.
+    `leg` is the leg under way, or the last one that was; None before the first.  `tool`: see `Run`.
     """
 
     q: Floats
     opening: float
     leg: Leg | None
+    tool: str | None = None
 
 
 def timeline(*row: Plan) -> tuple[Run, ...]:
@@ -93,9 +97,9 @@ def timeline(*row: Plan) -> tuple[Run, ...]:
             legs = [(plan.arm(arm), plan.arm(arm).leg(name)) for arm, name in step.runs]
             for arm_plan, leg in legs:
                 does = _does(row, place, arm_plan, leg)
-                runs.append(
-                    Run(arm_plan.arm, leg, clock, clock + leg.seconds, place, does, arm_plan.tcp)
-                )
+                tcp, tool = arm_plan.tcp, carried_on(arm_plan, leg.name)
+                end = clock + leg.seconds
+                runs.append(Run(arm_plan.arm, leg, clock, end, place, does, tcp, tool))
             clock += max((leg.seconds for _, leg in legs), default=0.0)
     return tuple(runs)
 
@@ -154,7 +158,7 @@ def moments(cell: Cell, runs: tuple[Run, ...], time: float) -> dict[str, ArmMome
             found[arm.name] = ArmMoment(arm.home, arm.tool.stroke[0], None)
         else:
             q = interpolate(run.leg.q, run.leg.t, time - run.start)
-            found[arm.name] = ArmMoment(q, run.leg.opening, run.leg)
+            found[arm.name] = ArmMoment(q, run.leg.opening, run.leg, run.tool)
     return found
 
 

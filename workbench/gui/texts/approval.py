@@ -21,6 +21,7 @@ class ApprovalText(Text, subject="page-approval"):
     SYNCHRONISED = "{strategy}, proven at the planned times ({guarantee})"
     GRASP = "{part} ({kind}), grasp {grasp}"
     ARM_GRASP = "{arm} arm {part} ({kind}), grasp {grasp}"
+    CHANGES_TOOL = "puts down {old} in its slot and takes {new} from its own"
     STIRS = "stirs what lies in the bin with its hand"
     STIRS_OPEN = "stirs what lies in the bin with its fingers {opening:mm} open"
     TO_HOME = "takes the scanner home"

@@ -13,6 +13,7 @@ from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
 from workbench.model.messages.cells import BinChoiceText
 from workbench.model.part import Bin
 from workbench.model.scan import Detection
+from workbench.model.tools.slots import standing_tools
 
 MOST_BINS = 8
 
@@ -57,15 +58,15 @@ def bin_around(cell: Cell, p_world: Floats) -> Bin:
 
 
 def barriers(cell: Cell) -> tuple[Fixture, ...]:
-    """Fixtures, and each other bin as a block: nothing reaches into it, whatever it holds."""
+    """Fixtures, tools in their slots, and each other bin as a block: nothing reaches into it."""
     blocks = (Fixture(f"bin {b.name}", b.T_world_bin, (block_of(b),)) for b in cell.other_bins)
-    return (*cell.fixtures, *blocks)
+    return (*cell.fixtures, *standing_tools(cell), *blocks)
 
 
 def surfaces(cell: Cell) -> tuple[Fixture, ...]:
-    """Fixtures, and floor and walls of each other bin: what a scanner sees of them."""
+    """Fixtures, tools in their slots, floor and walls of each other bin: what a scanner sees."""
     boxes = (Fixture(f"bin {b.name}", b.T_world_bin, b.solids) for b in cell.other_bins)
-    return (*cell.fixtures, *boxes)
+    return (*cell.fixtures, *standing_tools(cell), *boxes)
 
 
 def block_of(box: Bin) -> Solid:

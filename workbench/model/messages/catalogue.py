@@ -25,6 +25,7 @@ from workbench.model.messages.cells import (
     KitText,
     LoadText,
     RecipeText,
+    SlotText,
     ViewChoiceText,
 )
 from workbench.model.messages.changes import ChangeText, FillText, GraspChange, RemainText
@@ -135,6 +136,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     CellText,
     CommissioningText,
     LoadText,
+    SlotText,
     RecipeText,
     BinChoiceText,
     ViewChoiceText,

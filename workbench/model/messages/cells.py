@@ -27,6 +27,7 @@ class DifferenceText(Text, subject="difference"):
     BINS = "the bins were changed"
     HOME = "the home of the {arm} arm was moved by up to {turn:deg1}"
     OTHER_TOOL = "the {arm} arm has another tool"
+    TOOL_SLOTS = "the {arm} arm has other slots of tools"
     OTHER_PLACES = "the {arm} arm has other places"
     KEY = "{key} was {old}, now it is {new}"
     PART_ADDED = "part {part} was added"
@@ -145,6 +146,19 @@ class LoadText(Text, subject="load"):
     INERTIA = "its inertia is not nine numbers"
     SYMMETRY = "its inertia is not symmetric"
     MOMENTS = "no body has its inertia: each moment is at least 0 and at most the sum of the others"
+
+
+class SlotText(Text, subject="slot"):
+    """Why an arm cannot change its tool for another one."""
+
+    NO_TOOL = "the {arm} arm has no tool {name}, it can carry {known}"
+    CARRIED = "the {arm} arm carries {tool} already"
+    NO_SLOT = "{tool} of the {arm} arm has no slot: state it in the cell file, arm.tool_slot"
+    NO_LINK = "robot link {link} couples no tools: change the tool by hand"
+    CHANGING = "the {arm} arm changes its tool: wait for the end"
+    UNKNOWN = (
+        "after a fault nobody knows which tool the {arm} arm carries: state it in the tab Cell"
+    )
 
 
 class InventoryText(Text, subject="inventory"):

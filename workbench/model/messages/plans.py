@@ -14,6 +14,11 @@ class LegText(Text, subject="leg"):
     HOME = "home"
     VIEW = "view"
     STIR = "stir"
+    STOW = "stow"
+    RETRACT = "retract"
+    CROSS = "cross"
+    DOCK = "dock"
+    DRAW = "draw"
 
 
 class StepText(Text, subject="step"):

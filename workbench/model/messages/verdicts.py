@@ -54,6 +54,7 @@ class VerdictNote(Text, subject="note"):
 
     FINGERS = "finger opening {opening:mm0}"
     ONLY_ARMS = "only for arm {arms:or}"
+    TOOL_IN_SLOT = "needs tool {tool}, which stands in its slot; the arm carries {carried}"
     OTHER_TOOL = "needs tool {tool}; the arm carries {carried}"
     OTHER_TCP = "needs TCP {tcp}, which tool {tool} does not have"
     CHANGE_TOOL = "needs tool {tool}; the arm carries {carried} and can change to it"

@@ -1,7 +1,7 @@
 """The world of one scan: one collision model whose attachments and margins change by phase."""
 
 import math
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
@@ -304,17 +304,18 @@ class World:
         number = int(np.argmin(np.array(distances) - self._margins[among]))
         return self._contact_of(int(among[number]), distances[number])
 
-    def allow_start_contacts(self, q: Floats) -> Contact | None:
+    def allow_start_contacts(self, q: Floats, fixtures: Sequence[str] = ()) -> Contact | None:
         """Let parts that touch something where a leg begins, at `q` (nq,), come away from it.
 
-        See `Checks.at_start`.
+        So may an arm from what is near to it there of these `fixtures`.  See `Checks.at_start`.
 
         Returns:
             Where a part in the hand is deepest in what it lies on, if that is deeper than the
             policy's `sink`: its pose is wrong.  Of unknown rolls `PartWays.caught` says it.
         """
         pairs, _, _ = self._close(q, self._still, 0.0, None)
-        pairs = pairs[self.pairs.may_begin_close[pairs]]
+        also = np.hstack([[], *(self.with_fixture(name) for name in fixtures)])
+        pairs = pairs[self.pairs.may_begin_close[pairs] | np.isin(pairs, also)]
         distances = np.array([self._distance(k) for k in pairs.tolist()])
         self._use(self.pairs.at_start(pairs, distances, self.policy.near_margin))
         lies = (self.pairs.carriers[pairs] < 0).any(axis=1) & ~self._is_rolled[pairs]

@@ -1,1 +1,1 @@
-"""Paths of a hand that takes no part: of a scanner to its view, and through parts to stir them."""
+"""Paths of a hand that takes no part: a scanner to its view, stirring, a change of tool."""

@@ -23,7 +23,8 @@ from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.geometry import Floats
 from workbench.model.messages.plans import leg_message
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
+from workbench.model.motion import LEG_NAMES
+from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.collision.arm_sweeps import ArmContact, ArmSweep, first_contact, standing
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, LEAVING, Run, lead_of, phase_of

@@ -13,7 +13,8 @@ import numpy as np
 
 from workbench.model.candidate import Pick
 from workbench.model.geometry import Floats
-from workbench.model.plan import LEG_NAMES, Plan
+from workbench.model.motion import LEG_NAMES
+from workbench.model.plan import Plan
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import Pace
 from workbench.planning.picking.put_down import home_of

@@ -15,6 +15,7 @@ from workbench.model.derived.upright import leans_too_far
 from workbench.model.geometry import Floats, Solid
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Grasp, Part
+from workbench.model.tools.slots import stands_in_slot
 from workbench.planning.collision.tool_check import Fit, ToolCheck
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.grip_raster import clear_grips, grips_of
@@ -256,6 +257,8 @@ def _unfit(grasp: Grasp, arm: Arm, part: Part) -> Verdict | None:
     if grasp.tool and grasp.tool != arm.tool.name:
         may_change = grasp.tool in {tool.name for tool in arm.tools}
         text = VerdictNote.CHANGE_TOOL if may_change else VerdictNote.OTHER_TOOL
+        if stands_in_slot(arm, grasp.tool):
+            text = VerdictNote.TOOL_IN_SLOT
         note = text(tool=grasp.tool, carried=arm.tool.name)
         return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=note)
     if not is_for(grasp, arm.tool):

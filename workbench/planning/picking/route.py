@@ -15,16 +15,8 @@ from workbench.model.load import loads_of
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import leg_message
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.plan import (
-    LEG_NAMES,
-    ArmPlan,
-    Guarantee,
-    Leg,
-    LegName,
-    Plan,
-    Step,
-    Strategy,
-)
+from workbench.model.motion import LEG_NAMES
+from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, Run, phase_of
 from workbench.planning.collision.motion import RESOLUTION, path_contact
@@ -45,6 +37,11 @@ MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
     "home": "joint",
     "view": "joint",
     "stir": "joint",
+    "stow": "linear",
+    "retract": "linear",
+    "cross": "joint",
+    "dock": "linear",
+    "draw": "linear",
 }
 
 STRAIGHT_REASONS: Mapping[LegName, Reason] = {

@@ -11,7 +11,8 @@ one of them is not possible.
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Plan, Step, Strategy
+from workbench.model.motion import LEG_NAMES
+from workbench.model.plan import ArmPlan, Guarantee, Plan, Step, Strategy
 from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import ArmTask, find_arm_contact, passes
 

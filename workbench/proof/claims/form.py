@@ -15,29 +15,21 @@ from workbench.model.messages.plans import (
     strategy_message,
 )
 from workbench.model.messages.proofs import ProofText
-from workbench.model.plan import (
-    LEG_NAMES,
-    STIR_LEGS,
-    VIEW_LEGS,
-    ArmPlan,
-    Guarantee,
-    Leg,
-    LegName,
-    Plan,
-    Strategy,
-    Violation,
-)
+from workbench.model.motion import LEG_NAMES, STIR_LEGS, TOOL_LEGS, VIEW_LEGS
+from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Strategy, Violation
 from workbench.model.robot import Tcp
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.claims.scene import unseen_bin
+from workbench.proof.claims.stages import SLOT_LEGS
 from workbench.proof.claims.stirring import stir_violations
+from workbench.proof.claims.tool_change import change_violations
 
 JOINED_WITHIN = 1e-9
 """[rad] So far from the end of a leg the next one may begin; and half of the smallest step that can
 be sent from a home that is no whole number of steps."""
 
 HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
-LINEAR: frozenset[LegName] = frozenset({"approach", "extract", "place"})
+LINEAR: frozenset[LegName] = frozenset((*SLOT_LEGS, "approach", "extract", "place"))
 
 
 def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]:
@@ -63,6 +55,11 @@ def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]
         elif not _stated_tcp(cell.arm(arm_plan.arm).tool, arm_plan):
             tool = cell.arm(arm_plan.arm).tool.name
             yield Violation(ProofText.UNKNOWN_TCP(tool=tool, tcp=arm_plan.tcp), arm_plan.arm)
+        elif plan.is_tool_plan:
+            yield from change_violations(cell, plan, arm_plan)
+            yield from _full_bin(cell, plan, arm_plan)
+            home = cell.arm(arm_plan.arm).home
+            yield from _legs(cell, arm_plan, TOOL_LEGS, (home, home))
         elif plan.is_stir_plan and not arm_plan.takes_part:
             yield from stir_violations(cell, plan, arm_plan)
             home = cell.arm(arm_plan.arm).home
@@ -188,9 +185,7 @@ def _view(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
         return
     if len(plan.arms) > 1 or plan.detections or arm_plan.grasp or arm_plan.station:
         yield Violation(ProofText.NOT_ONLY_VIEW(), arm_plan.arm)
-    filled = unseen_bin(cell)
-    if not any(_same_box(filled, said) for said in plan.obstacles):
-        yield Violation(ProofText.BIN_LEFT_OUT(), arm_plan.arm)
+    yield from _full_bin(cell, plan, arm_plan)
     path = np.asarray(arm_plan.legs[0].q) if arm_plan.legs else np.empty(0)
     ends = carrier.home, carrier.view.q
     if len(path) and path.shape[1:] == carrier.view.q.shape:
@@ -200,6 +195,13 @@ def _view(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
             starts = [carrier.home, *(view.q for view in carrier.other_views)]
             ends = min(starts, key=lambda q: np.abs(path[0] - q).max()), carrier.view.q
     yield from _legs(cell, arm_plan, VIEW_LEGS, ends)
+
+
+def _full_bin(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
+    """Whether a plan that no scan is for keeps clear of the whole bin."""
+    filled = unseen_bin(cell)
+    if not any(_same_box(filled, said) for said in plan.obstacles):
+        yield Violation(ProofText.BIN_LEFT_OUT(), arm_plan.arm)
 
 
 def _legs(

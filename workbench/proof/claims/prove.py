@@ -1,11 +1,13 @@
 """The proof: everything about a plan is checked anew, in the scene as it is known, or refused."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import product
 
 from workbench.model.cell import Cell
 from workbench.model.messages.message import FoundPart
 from workbench.model.messages.proofs import ProofText
+from workbench.model.motion import SpeedBound
 from workbench.model.plan import Plan, Proof, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.claims.form import (
@@ -14,6 +16,7 @@ from workbench.proof.claims.form import (
     joint_limit_violations,
     opening_and_time_violations,
 )
+from workbench.proof.claims.grasps.at_slot import slot_violations
 from workbench.proof.claims.grasps.loads import load_violations
 from workbench.proof.claims.grasps.rolls import roll_violations
 from workbench.proof.claims.grasps.taking import grasp_violations, pair_violations
@@ -24,7 +27,8 @@ from workbench.proof.claims.scene import filled_bin, turned_pieces
 from workbench.proof.claims.stages import put_at
 from workbench.proof.claims.timing.pace import pace_violations
 from workbench.proof.claims.timing.point_speed import speed_claims
-from workbench.proof.claims.walk import Walk
+from workbench.proof.claims.tool_change import by_stretches
+from workbench.proof.claims.walk import Walk, Walked
 from workbench.proof.engine.robot import tree_of
 from workbench.proof.engine.search import SIGHT
 from workbench.proof.engine.shapes import gap_of
@@ -59,45 +63,65 @@ def prove(
         A proof; `holds` is True when there is no violation.
     """
     violations = list(form_violations(cell, scene, plan))
-    walked, speeds, digest = None, (), cell.digest
+    found: list[_Claims] = []
     if not violations:
-        cell = at_stated_tcps(cell, plan)
-    arms = [(cell.arm(arm.arm), arm) for arm in plan.arms] if not violations else []
-    legs = [(arm, leg) for arm, arm_plan in arms for leg in arm_plan.legs]
-    # Joints that turn a hundred times would be followed for hours.
-    violations += [f for arm, leg in legs for f in joint_limit_violations(cell, arm, leg)]
-    if not violations:
-        tree = tree_of(cell)
-        violations += [f for arm, leg in legs for f in opening_and_time_violations(cell, arm, leg)]
-        too_fast = list(pace_violations(cell, plan))
-        points_too_fast, speeds = speed_claims(cell, tree, plan)
-        # Of joints that are too fast already, points are too.
-        violations += too_fast or points_too_fast
-        picks = plan.picks
-        violations += [f for pick in picks for f in grasp_violations(cell, tree, plan, pick)]
-        violations += [f for _, arm_plan in arms for f in load_violations(cell, plan, arm_plan)]
-        violations += [f for pick in picks for f in roll_violations(cell, tree, plan, pick)]
-        violations += [f for pick in picks for f in upright_violations(cell, tree, plan, pick)]
-        violations += pair_violations(cell, plan)
+        # Joints that turn a hundred times would be followed for hours.
         violations += [
-            f for pick in picks for f in pallet_violations(cell, tree, scene, plan, pick)
+            violation
+            for arm_plan in plan.arms
+            for leg in arm_plan.legs
+            for violation in joint_limit_violations(cell, cell.arm(arm_plan.arm), leg)
         ]
-        walked = Walk(cell, tree, plan, resolution, stated).result()
-        violations += walked.violations
+    if not violations:
+        stretches = [(at_stated_tcps(each, part), part) for each, part in by_stretches(cell, plan)]
+        found = [_claims(each, scene, part, resolution, stated) for each, part in stretches]
+        violations += [f for arm in plan.arms for f in load_violations(cell, plan, arm)]
+        violations += [violation for claims in found for violation in claims.violations]
+    nearest = min((claims.walked for claims in found), key=lambda w: w.clearance, default=None)
     return Proof(
         plan_digest=plan.digest,
-        cell_digest=digest,
+        cell_digest=cell.digest,
         scan_digest=plan.scan_digest,
-        checks=0 if walked is None else walked.looks,
+        checks=sum(claims.walked.looks for claims in found),
         resolution=resolution,
         zone=cell.zone,
-        clearance=SIGHT if walked is None else walked.clearance,
-        nearest=None if walked is None else walked.nearest,
+        clearance=SIGHT if nearest is None else nearest.clearance,
+        nearest=None if nearest is None else nearest.nearest,
         violations=tuple(violations),
-        clearances=() if walked is None else walked.clearances,
-        apart=() if walked is None else walked.apart,
-        speeds=speeds,
+        clearances=tuple(each for claims in found for each in claims.walked.clearances),
+        apart=tuple(each for claims in found for each in claims.walked.apart),
+        speeds=tuple(bound for claims in found for bound in claims.speeds),
     )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Claims:
+    """What was found on a stretch of a plan."""
+
+    violations: tuple[Violation, ...]
+    walked: Walked
+    speeds: tuple[SpeedBound, ...]
+
+
+def _claims(
+    cell: Cell, scene: Scene, plan: Plan, resolution: float, stated: Proof | None
+) -> _Claims:
+    """What is found on a stretch of a plan whose form is right; see `prove`."""
+    tree, picks = tree_of(cell), plan.picks
+    legs = [(cell.arm(arm.arm), leg) for arm in plan.arms for leg in arm.legs]
+    violations = [f for arm, leg in legs for f in opening_and_time_violations(cell, arm, leg)]
+    too_fast = list(pace_violations(cell, plan))
+    points_too_fast, speeds = speed_claims(cell, tree, plan)
+    # Of joints that are too fast already, points are too.
+    violations += too_fast or points_too_fast
+    violations += slot_violations(cell, tree, plan)
+    violations += [f for pick in picks for f in grasp_violations(cell, tree, plan, pick)]
+    violations += [f for pick in picks for f in roll_violations(cell, tree, plan, pick)]
+    violations += [f for pick in picks for f in upright_violations(cell, tree, plan, pick)]
+    violations += pair_violations(cell, plan)
+    violations += [f for pick in picks for f in pallet_violations(cell, tree, scene, plan, pick)]
+    walked = Walk(cell, tree, plan, resolution, stated).result()
+    return _Claims((*violations, *walked.violations), walked, speeds)
 
 
 def scene_after(cell: Cell, plan: Plan) -> Scene:

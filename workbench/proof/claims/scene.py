@@ -78,7 +78,8 @@ def still_of(cell: Cell, scene: Scene) -> Iterator[CheckedBody]:
 
     for fixture in barriers(cell):
         for solid in fixture.solids:
-            yield still(solid.name, fixture.T_world_fixture, solid)
+            of_fixture = still(solid.name, fixture.T_world_fixture, solid)
+            yield replace(of_fixture, fixture=fixture.name)
     for solid in cell.bin.solids:
         yield still(solid.name, cell.bin.T_world_bin, solid)
     assembled = assembled_kinds(cell)

@@ -20,6 +20,7 @@ from workbench.proof.claims.stages import (
 )
 from workbench.proof.claims.stirring import bodies_of
 from workbench.proof.claims.table import PairTable
+from workbench.proof.claims.tool_change import by_stretches
 from workbench.proof.engine.robot import Tree, tree_of
 from workbench.proof.engine.space import Space
 
@@ -53,6 +54,16 @@ def spot_of(cell: Cell, plan: Plan, place: Violation) -> Spot | None:
     of all that may be, it is what comes nearest to the distance found.
     """
     if place.pair is None or place.q is None or place.waypoint is None:
+        return None
+    for each, stretch in by_stretches(cell, plan):
+        if any(leg.name == place.leg for arm in stretch.arms for leg in arm.legs):
+            return _on_stretch(each, stretch, place)
+    return None
+
+
+def _on_stretch(cell: Cell, plan: Plan, place: Violation) -> Spot | None:
+    """As `spot_of`, for a stretch of a plan and the cell as it is then."""
+    if place.pair is None:
         return None
     tree = tree_of(cell)
     bodies = bodies_of(cell, tree, plan)

@@ -14,17 +14,24 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, LegName, Plan
+from workbench.model.tools.slots import standing_name
 from workbench.proof.claims.motion import sweep_change, sweep_path
 from workbench.proof.claims.table import Situation
 from workbench.proof.engine.robot import Tree
 from workbench.proof.engine.sets import Sets
 
-NEAR_MARGIN_LEGS: frozenset[LegName] = frozenset({"approach", "extract", "stir"})
-"""Legs on which tool and held part keep `near_margin`: straight to a part and with it, and among
-the parts; the place leg is linear but keeps `margin`."""
+SLOT_LEGS: frozenset[LegName] = frozenset({"stow", "retract", "dock", "draw"})
+"""Legs straight into the slot of a tool, or out of it."""
+
+INTO_SLOT: frozenset[LegName] = frozenset({"stow", "dock"})
+"""Those of them that end in the slot; the others begin there."""
+
+NEAR_MARGIN_LEGS: frozenset[LegName] = frozenset((*SLOT_LEGS, "approach", "extract", "stir"))
+"""Legs on which tool and held part keep `near_margin`: straight to a part and with it, among the
+parts, and at the slot of a tool; the place leg is linear but keeps `margin`."""
 
 
-FIRST_LEGS: frozenset[LegName] = frozenset({"reach", "view"})
+FIRST_LEGS: frozenset[LegName] = frozenset({"reach", "view", "draw"})
 """Legs of an arm before which nobody knows where its fingers are."""
 
 
@@ -171,7 +178,15 @@ def situation_of(tree: Tree, step: MovingStep, *ones: MovingArm) -> Situation:
         target=arm_motion.plan.detection if arm_motion.leg.name == "approach" else -1,
         placed_now=arm_motion.plan.detection if arm_motion.leg.name == "place" else -1,
         stirs=arm_motion.arm.name if arm_motion.leg.name == "stir" else "",
+        slot=_fixtures_at_slot(arm_motion) if arm_motion.leg.name in SLOT_LEGS else frozenset(),
     )
+
+
+def _fixtures_at_slot(arm_motion: MovingArm) -> frozenset[str]:
+    """What an arm may touch at the slot of the tool that the plan of its stretch names."""
+    arm, tool = arm_motion.arm, arm_motion.plan.tool
+    holds = {slot.fixture for slot in arm.tool_slots if slot.tool == tool and slot.fixture}
+    return frozenset({standing_name(arm, tool), *holds})
 
 
 def course_of(cell: Cell, tree: Tree, arm_motion: MovingArm) -> Sets:

@@ -15,6 +15,7 @@
 | hand and the part it has let go of, until it has left it once | as at the start, less 0.5 mm |
 | tool that stirs and the boxes that stand for all parts, on the leg `stir` | is not compared |
 | the arm that stirs and the upper one of these, on that leg | is not compared |
+| arm or its tool straight at a slot, and the tool or fixture there | as at the slot, less 0.5 mm |
 | part that is assembled, on its last straight motion, and the one it comes onto | `clearance` |
 | everything else | `margin` |
 
@@ -66,7 +67,8 @@ class Situation:
     on approach or extract, empty for none.  `target`: the detection that its tool is about to
     take.  `fingers_move_at`: the detection around which fingers close or open now; contacts with
     it are not compared then.  `placed_now`: the detection that is on its last straight motion to
-    its place.  `stirs`: the arm that stirs the parts.
+    its place.  `stirs`: the arm that stirs the parts.  `slot`: the fixtures that the arm may touch
+    on its straight way into the slot of a tool, or out of it.
     """
 
     moves: Bools
@@ -77,6 +79,7 @@ class Situation:
     fingers_move_at: int = -1
     placed_now: int = -1
     stirs: str = ""
+    slot: frozenset[str] = frozenset()
 
 
 class PairTable(BodyPairs):
@@ -112,6 +115,7 @@ class PairTable(BodyPairs):
         self.rounds = np.array([is_round(body, tree) for body in bodies])
         self._carrier = np.array([self._arm_numbers.get(b.arm, -1) for b in bodies])
         self._kind = np.array([b.of_kind for b in bodies])
+        self._fixture = np.array([b.fixture for b in bodies])
 
     def pairs(self, now: Situation, joints: Ints) -> Pairs:
         """The pairs of a situation, in which these joints (b,), by index, carry the bodies."""
@@ -169,7 +173,12 @@ class PairTable(BodyPairs):
             are_mates = mates[a, b] | mates[b, a]
             margins[are_mates] = clearance
             shown &= ~are_mates
-        return Pairs(rows, margins, commons, beds, released, arms, shown)
+        return Pairs(rows, margins, commons, beds, released, arms, shown, self._at_slot(now, a, b))
+
+    def _at_slot(self, now: Situation, a: Ints, b: Ints) -> Bools:
+        """Which pairs (p,) are of what an arm carries and what it may touch at a slot."""
+        in_slot, moves = np.isin(self._fixture, sorted(now.slot)), self._carrier >= 0
+        return (in_slot[a] & moves[b]) | (in_slot[b] & moves[a])
 
     def _mates(self, number: int) -> tuple[Bools, float]:
         """Pairs of bodies (b, b) of a part and the one it comes onto, and what they keep [m]."""

@@ -25,6 +25,10 @@ INSERTED = 0.0005
 """[m] Any point of a part: on its way onto another one, and on the straight line to its seat there;
 at the end of the way, and at the seat."""
 
+AT_SLOT = 0.001
+"""[m] Any point of a tool, or of one in its place: where the arm couples or uncouples it, and where
+it stands in its slot."""
+
 OPENING = 1e-6
 """[m] The opening of fingers, and that of the grasp."""
 

@@ -15,6 +15,7 @@ from workbench.model.plan import Guarantee, Plan, Proof, Violation, are_in_step
 from workbench.proof.claims.grasps.straight import part_reach, straight_violations
 from workbench.proof.claims.motion import sweep_path
 from workbench.proof.claims.stages import (
+    INTO_SLOT,
     NEAR_MARGIN_LEGS,
     LegStage,
     MovingArm,
@@ -144,15 +145,27 @@ class Walk:
                 for other in others:
                     is_other = all_pairs.between(self._numbers[arm_motion.arm.name], other)
                     all_pairs = all_pairs.among(~is_other)
-            # How near a hand stays to the part that it has put down is not worth showing.
-            pairs = all_pairs.hiding(all_pairs.released)
+            # How near a hand stays to what it has put down, or at a slot, is not worth showing.
+            pairs = all_pairs.hiding(all_pairs.released | all_pairs.at_slot)
+            if stage.now.slot:
+                pairs = self._as_at_slot(step, arm_motion, pairs)
             if stage.comes_off or stage.leaves:
                 pairs = self._as_it_begins(step, arm_motion, stage, pairs)
             self._ask(step, arm_motion, ((stage.sets, *waiting_fingers(self._tree, step)),), pairs)
 
+    def _as_at_slot(self, step: MovingStep, arm_motion: MovingArm, pairs: Pairs) -> Pairs:
+        """Pairs with what they have to keep that are nearer than usual in the slot of a tool."""
+        at = -1 if arm_motion.leg.name in INTO_SLOT else 0
+        self._space.look(self._with(step, arm_motion, arm_motion.path[at]))
+        margins = pairs.margins.copy()
+        for k in np.flatnonzero(pairs.at_slot).tolist():
+            distance = self._space.distance(int(pairs.rows[k]))
+            margins[k] = min(margins[k], least_distance_allowed(distance))
+        return pairs.keeping(margins)
+
     def _pairs(self, now: Situation) -> Pairs:
         """The pairs of a situation of the step that was put last; the same are asked for often."""
-        leg = now.near_arm, now.target, now.fingers_move_at, now.placed_now, now.stirs
+        leg = now.near_arm, now.target, now.fingers_move_at, now.placed_now, now.stirs, now.slot
         key = now.moves.tobytes(), *leg
         if key not in self._known:
             self._known[key] = self._table.pairs(now, self._space.joints)

@@ -21,6 +21,7 @@ class CheckedBody:
     for what is none.  `joint` and `T_joint_body`: where it hangs as long as no hand holds it.
     `is_rolled`: it is the room of a piece of a part at every turn, since its roll is not known.
     `of_kind`: the kind of part that it is a piece of, found or assembled; empty for what is none.
+    `fixture`: the one that it is of, or the tool in its slot.
     """
 
     kind: Kind
@@ -34,6 +35,7 @@ class CheckedBody:
     is_finger: bool = False
     is_rolled: bool = False
     of_kind: str = ""
+    fixture: str = ""
 
 
 def is_round(body: CheckedBody, tree: Tree) -> bool:

@@ -24,7 +24,8 @@ class Pairs:
 
     `margins` (p,) [m] are to be kept; `commons` (p,) is the joint next to both that moves both,
     0 for none.  `beds` are pairs of a lifted part and what it may lie on, `released` those of an
-    arm and the part it has placed.  `arms` (p, 2) are those that carry the two, -1 for none.
+    arm and the part it has placed.  Those `at_slot` are of an arm and what it touches in a slot.
+    `arms` (p, 2) are those that carry the two, -1 for none.
     `shown`: their distance is worth showing; that of an arm's own links is not.
     """
 
@@ -35,6 +36,7 @@ class Pairs:
     released: Bools
     arms: Ints
     shown: Bools
+    at_slot: Bools
 
     def among(self, chosen: Bools) -> "Pairs":
         """Those of them that are chosen (p,)."""

@@ -21,7 +21,7 @@ from workbench.app.core.control import (
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.correcting import CorrectPart
-from workbench.app.core.cycle.empty_hand import PlanStir, PlanView
+from workbench.app.core.cycle.empty_hand import PlanStir, PlanToolChange, PlanView
 from workbench.app.core.cycle.jobs import CancelJob
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ForgetAvoided, ReportPick
 from workbench.app.core.cycle.parts import FindParts
@@ -101,7 +101,7 @@ TO = Field("to", "name of somebody who has asked for control", _text(LONGEST_NAM
 OVERRIDES = ("planner", "order", "iterations", "margin", "metric", "picks")
 
 
-def _localize(values: Values) -> FindParts:
+def _find(values: Values) -> FindParts:
     overrides = SearchOverrides(values["detail"], values["least_score"])
     return FindParts(values["seed"], overrides)
 
@@ -125,15 +125,11 @@ def _emptying(values: Values) -> Command:
 
 def _go_on(values: Values) -> Command:
     scan = TakeScan(values["seed"], values["parts"])
-    return GoOn(scan, _localize(values), _plan(values))
+    return GoOn(scan, _find(values), _plan(values))
 
 
 def _row(values: Values) -> tuple[str, ...]:
     return tuple(filter(None, values["row"].split(TOGETHER)))
-
-
-def _shorten(values: Values) -> Command:
-    return ShortenRow(values["plan"], values["picks"])
 
 
 def _report(values: Values) -> Command:
@@ -153,6 +149,12 @@ def _approve(values: Values) -> Command:
     manner = values["speed_share"], values["is_stepped"]
     return Approve(values["plan"], *manner, _row(values))
 
+
+TOOL = (
+    Field("tool", "its name; it stands in its slot", _text(LONGEST_NAME)),
+    Field("arm", "its name; empty: the first one with that slot", _text(LONGEST_NAME), ""),
+    SEED,
+)
 
 SCAN_FIELDS = (SEED, Field("parts", "in the simulated pile", _whole(0, MOST_PARTS), 2))
 
@@ -193,12 +195,7 @@ PLAN_FIELDS = (
 CALLS: tuple[Call, ...] = (
     Call("/scan", "Take a scan.", TakeScan, SCAN_FIELDS, begins=True),
     Call(
-        "/localize",
-        "Find the parts in the scan.",
-        FindParts,
-        FIND_FIELDS,
-        begins=True,
-        make=_localize,
+        "/localize", "Find the parts in the scan.", FindParts, FIND_FIELDS, begins=True, make=_find
     ),
     Call(
         "/plan",
@@ -216,6 +213,7 @@ CALLS: tuple[Call, ...] = (
         begins=True,
     ),
     Call("/stir", "Plan and prove how an arm stirs the parts.", PlanStir, (SEED,), begins=True),
+    Call("/tool", "Plan and prove how an arm changes its tool.", PlanToolChange, TOOL, begins=True),
     Call(
         "/emptying",
         "Empty piles in simulation, in the cell as it is; no robot moves.",
@@ -268,7 +266,7 @@ CALLS: tuple[Call, ...] = (
         "Carry out only so many plans of the row; a larger number brings back what was left out.",
         ShortenRow,
         (PLAN, Field("picks", "plans in all, the first one among them", _whole(1, MOST_PICKS))),
-        make=_shorten,
+        make=lambda values: ShortenRow(values["plan"], values["picks"]),
     ),
     Call(
         "/watch",

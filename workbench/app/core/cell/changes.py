@@ -5,6 +5,7 @@ What was made for the cell before is gone.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
 from typing import ClassVar
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
@@ -30,12 +31,13 @@ from workbench.model.derived.by_view import view_name
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import put
-from workbench.model.messages.cells import RecipeText
+from workbench.model.messages.cells import RecipeText, SlotText
 from workbench.model.messages.commands import CommandText, EditText
 from workbench.model.messages.message import Message, as_message, plain
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
 from workbench.model.part_edits import differ_in_grasps_only
+from workbench.model.tools.slots import tool_of_arm, with_mounted
 
 Changed = tuple[State, tuple[UseCell | KeepDrafts, ...]]
 
@@ -69,6 +71,31 @@ class ChangeCell(Command):
     def apply(self, state: State, entry: Entry) -> Decision:
         # By the bin and view of the state, which are the first ones while the file is changed.
         return changed_cell(state, chosen_as_in(self.cell, state.cell), self.says)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StateTool(Command):
+    """State which tool an arm carries, after a change by hand, or one that has failed."""
+
+    right: ClassVar[Right] = Right(CommandText.STATE_TOOL, SAFE, role=Role.ENGINEER)
+
+    arm: str
+    tool: str
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("arm", self.arm)
+        check_text("tool", self.tool)
+        try:
+            arm = state.cell.arm(self.arm)
+            tool_of_arm(arm, self.tool)
+        except InputError as error:
+            raise CommandRefused(error.message) from error
+        if arm.tool.name == self.tool and self.arm not in state.tools_unknown:
+            raise CommandRefused(SlotText.CARRIED(arm=self.arm, tool=self.tool))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        says = StateText.TOOL_STATED(person=entry.actor, arm=self.arm, tool=self.tool)
+        return with_carried(state, self.arm, self.tool, says)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,7 +208,42 @@ def changed_cell(state: State, cell: Cell, says: Message | str) -> Changed:
     """The state with another cell, which an undo can take back; `says` names the change."""
     after, effects = with_cell(state, cell, says)
     before = (EditedCell(state.cell, as_message(says)), *state.before)[:MOST_UNDO]
-    return replace(after, before=before, undone=()), effects
+    unknown = tuple(name for name in state.tools_unknown if _carries_same(state.cell, cell, name))
+    return replace(after, before=before, undone=(), tools_unknown=unknown), effects
+
+
+def _carries_same(cell: Cell, other: Cell, name: str) -> bool:
+    """Whether the arm of that name carries the same tool in two cells."""
+    carried = [{arm.name: arm.tool.name for arm in each.arms}.get(name) for each in (cell, other)]
+    return carried[0] == carried[1]
+
+
+def with_carried(state: State, arm: str, tool: str, says: Message) -> Changed:
+    """The state in which an arm carries a tool, by any recipe and bin.
+
+    What is on an arm is no matter of undo and redo: cells that these go back to have it there, too.
+    """
+    unknown = tuple(name for name in state.tools_unknown if name != arm)
+    if state.cell.arm(arm).tool.name == tool:
+        return replace(state, tools_unknown=unknown, message=says), ()
+    after, effects = with_cell(state, with_mounted(state.cell, arm, tool), says)
+    whole = None if state.whole is None else with_mounted(state.whole, arm, tool)
+    before, undone = (
+        tuple(EditedCell(with_mounted(entry.cell, arm, tool), entry.change) for entry in entries)
+        for entries in (_having(state.before, arm, tool), _having(state.undone, arm, tool))
+    )
+    after = replace(after, whole=whole, before=before, undone=undone, tools_unknown=unknown)
+    return after, effects
+
+
+def _having(entries: tuple[EditedCell, ...], arm: str, tool: str) -> tuple[EditedCell, ...]:
+    """Those that come before the first cell whose arm cannot carry that tool."""
+
+    def can_carry(entry: EditedCell) -> bool:
+        tools = (known for each in entry.cell.arms if each.name == arm for known in each.tools)
+        return any(known.name == tool for known in tools)
+
+    return tuple(takewhile(can_carry, entries))
 
 
 def undone(state: State) -> Changed:

@@ -28,6 +28,7 @@ from workbench.app.core.state import Ahead, Phase, State
 from workbench.app.core.tasks import Begun
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.cells import SlotText
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.refusals import Refusal
@@ -51,7 +52,9 @@ class GoOn(Command):
     the scanner sees past the arms (0: with its end).  `placed` will lie on pallets by then.
     """
 
-    right: ClassVar[Right] = Right(CommandText.GO_ON, frozenset({Phase.SENDING, Phase.DONE}))
+    right: ClassVar[Right] = Right(
+        CommandText.GO_ON, frozenset({Phase.SENDING, Phase.DONE}), plans=True
+    )
 
     scan: TakeScan = field(default_factory=TakeScan)
     find: FindParts = field(default_factory=FindParts)
@@ -61,6 +64,8 @@ class GoOn(Command):
 
     @classmethod
     def obstacle(cls, state: State) -> Message | None:
+        if state.plan is not None and state.plan.is_tool_plan:
+            return SlotText.CHANGING(arm=state.plan.arms[0].arm)
         return None if state.ahead is None else Refusal.NEXT_CYCLE_ASKED()
 
     def check(self, state: State, asked: Asked) -> None:

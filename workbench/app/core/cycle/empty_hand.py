@@ -1,8 +1,9 @@
-"""Motions of an empty hand: a scanner's path to its view and back, and parts that are stirred."""
+"""Motions of an empty hand: a scanner's path to its view and back, stirring, a change of tool."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
+from workbench.app.core.cell.changes import Changed, with_carried
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import (
     path_problem,
@@ -11,6 +12,7 @@ from workbench.app.core.cycle.arm_scanner import (
     standing_joints,
     view_named,
 )
+from workbench.app.core.picks import SendingEnd
 from workbench.app.core.state import (
     Phase,
     PlanState,
@@ -22,8 +24,10 @@ from workbench.app.core.state import (
 from workbench.app.core.tasks import Begun, begin_task
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
 from workbench.model.candidate import Reason
+from workbench.model.cell import Cell
 from workbench.model.derived.by_bin import part_beside_bin
 from workbench.model.derived.policies import stir_problem
+from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.cells import ViewChoiceText
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import FoundPart, Message, all_of
@@ -32,6 +36,7 @@ from workbench.model.messages.states import ClearanceText, StateText
 from workbench.model.motion import floor_distance
 from workbench.model.plan import PlanResult
 from workbench.model.robot import HOME
+from workbench.model.tools.slots import change_problem, slot_of
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
@@ -44,7 +49,7 @@ class PlanView(Command):
     `view`: its name, or empty; `HOME`: back from it to the arm's home.
     """
 
-    right: ClassVar[Right] = Right(CommandText.PLAN_VIEW, SAFE)
+    right: ClassVar[Right] = Right(CommandText.PLAN_VIEW, SAFE, plans=True)
 
     view: str = ""
     seed: int = 0
@@ -65,7 +70,9 @@ class PlanStir(Command):
     """Plan how an arm stirs the parts in the bin with its hand, where none can be taken."""
 
     right: ClassVar[Right] = Right(
-        CommandText.PLAN_STIR, frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})
+        CommandText.PLAN_STIR,
+        frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED}),
+        plans=True,
     )
 
     seed: int = 0
@@ -77,6 +84,43 @@ class PlanStir(Command):
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return plan_stir(state, entry, self.seed)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanToolChange(Command):
+    """Plan how an arm puts down its tool and takes the one of that name.
+
+    `arm`: its name; empty: the first one that has a slot for the tool.
+    """
+
+    right: ClassVar[Right] = Right(CommandText.PLAN_TOOL_CHANGE, SAFE, plans=True)
+
+    tool: str
+    arm: str = ""
+    seed: int = 0
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
+        check_text("tool", self.tool)
+        check_text("arm", self.arm)
+        try:
+            refuse(change_problem(state.cell, self.arm_in(state.cell), self.tool))
+        except InputError as error:
+            raise CommandRefused(error.message) from error
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        arguments = {
+            "arm": self.arm_in(state.cell),
+            "tool": self.tool,
+            "placed": state.placed,
+            "seed": self.seed,
+        }
+        return begin_task(state, entry, "change", arguments, StateText.PLANNING())
+
+    def arm_in(self, cell: Cell) -> str:
+        """The name of the arm that is meant."""
+        having = (arm.name for arm in cell.arms if slot_of(arm, self.tool) is not None)
+        return self.arm or next(having, cell.arms[0].name)
 
 
 def stir_refusal(state: State) -> Message | None:
@@ -141,6 +185,42 @@ def with_stir_plan(state: State, result: PlanResult) -> State:
     )
 
 
+def with_change_plan(state: State, result: PlanResult) -> State:
+    """The state after a change of tool was planned.
+
+    With a plan the scan is void: the arm passes through what it shows, and the cell is another one
+    afterwards.
+    """
+    plan, proof = result.plan, result.proof
+    if plan is None or proof is None:
+        return replace(state, message=StateText.NO_PLAN(verdict=result.verdict.message))
+    message = StateText.CHANGE_PLANNED(
+        arm=plan.strategy.arm,
+        tool=plan.arms[0].tool,
+        cycle=plan.cycle_seconds,
+        clearance=ClearanceText.FREE(free=floor_distance(proof.clearance)),
+    )
+    return _without_scan(state, result, message)
+
+
+def with_new_tool(before: State, after: State, ended: SendingEnd) -> Changed:
+    """The state once a plan has ended that changes a tool: the cell with what the arm carries.
+
+    Args:
+        before: while the plan was sent.
+        after: once its end was taken in.
+        ended: what the link says.
+    """
+    if before.plan is None or not before.plan.is_tool_plan:
+        return after, ()
+    (changed,) = before.plan.arms
+    if ended.fault:
+        unknown = (*(arm for arm in after.tools_unknown if arm != changed.arm), changed.arm)
+        return replace(after, tools_unknown=unknown), ()
+    message = StateText.TOOL_CHANGED(arm=changed.arm, tool=changed.tool)
+    return with_carried(after, changed.arm, changed.tool, message)
+
+
 def plan_path(state: State, entry: Entry, *, view: str = "", seed: int = 0) -> Begun:
     """The path to the chosen view begins to be planned, or with `HOME` the one back."""
     carrier = view_named(state.cell, view)
@@ -167,7 +247,14 @@ def with_view_plan(state: State, result: PlanResult) -> State:
         message = StateText.HOME_PLANNED(**facts)
     elif state.views_without:
         nothing = ViewChoiceText.NOTHING_FROM(views=state.views_without)
-        message = all_of((nothing, message))
+        message = all_of((nothing, message)) or message
+    return _without_scan(state, result, message)
+
+
+def _without_scan(state: State, result: PlanResult, message: Message) -> State:
+    """The state with a plan that no scan is for."""
+    plan, proof = result.plan, result.proof
+    assert plan is not None and proof is not None
     if not proof.holds:
         message = StateText.NOT_PROVEN(violation=proof.violations[0].message)
     return begin_stage(

@@ -49,7 +49,9 @@ class MakePlan(Command):
     """
 
     right: ClassVar[Right] = Right(
-        CommandText.MAKE_PLAN, frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})
+        CommandText.MAKE_PLAN,
+        frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED}),
+        plans=True,
     )
 
     strategy: str = "auto"
@@ -63,8 +65,9 @@ class MakePlan(Command):
 
     @classmethod
     def obstacle(cls, state: State) -> Message | None:
-        is_to_view = state.plan is not None and state.plan.is_view_plan
-        return Refusal.NO_PARTS() if is_to_view else None
+        plan = state.plan
+        is_without = plan is not None and (plan.is_view_plan or plan.is_tool_plan)
+        return Refusal.NO_PARTS() if is_without else None
 
     def check(self, state: State, asked: Asked) -> None:
         check_planning(state.cell, self)

@@ -24,6 +24,7 @@ from workbench.app.core.cycle.empty_hand import (
     may_stir,
     plan_path,
     plan_stir,
+    with_change_plan,
     with_stir_plan,
     with_view_plan,
 )
@@ -97,6 +98,8 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             return with_view_plan(state, result)
         case ("stir", PlanResult()):
             return with_stir_plan(state, result)
+        case ("change", PlanResult()):
+            return with_change_plan(state, result)
         case _:
             wrong = type(result).__name__
             return replace(state, message=_failure_message(job, JobText.WRONG_RESULT(kind=wrong)))

@@ -7,6 +7,7 @@ from workbench.app.core.after_a_miss import with_end
 from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.ahead import after_the_end, begun_ahead, given_up
 from workbench.app.core.cycle.approval import explain_unwalked, staleness
+from workbench.app.core.cycle.empty_hand import with_new_tool
 from workbench.app.core.cycle.outcomes import after_sending
 from workbench.app.core.cycle.rows import following, unapproved_row, with_next_plan
 from workbench.app.core.cycle.standing import lacks_reports, stale_because
@@ -122,7 +123,8 @@ class LinkEnded(SendingEnd, Command):
         after, sends = with_next_plan(state, after, self, entry)
         after = with_end(state, after, self)
         after, effects = after_the_end(state, after, entry)
-        return after, (*sends, *effects)
+        after, changes = with_new_tool(state, after, self)
+        return after, (*sends, *effects, *changes)
 
 
 def _send(state: State, entry: Entry) -> Decision:

@@ -29,6 +29,9 @@ THIN = 1e-6
 
 def load_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
     """Whether a plan states the loads of an arm's tool and part, or rightly none."""
+    if plan.is_tool_plan:
+        yield from _change_violations(cell, arm_plan)
+        return
     tool, loads = cell.arm(arm_plan.arm).tool, arm_plan.loads
     if tool.mass is None:
         if loads is not None:
@@ -45,8 +48,25 @@ def load_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Viola
         part = cell.part(plan.detections[arm_plan.detection].part)
         meant = (tool.T_flange_tcp * arm_plan.T_tcp_part).act(_of_part(part))
         is_meant = loads.part is not None and _is_alike(loads.part, meant, STATED)
-    if not is_meant:
+    if not is_meant or loads.new_tool is not None:
         yield Violation(ProofText.PART_LOAD(), arm_plan.arm)
+
+
+def _change_violations(cell: Cell, arm_plan: ArmPlan) -> Iterator[Violation]:
+    """Whether a plan that changes a tool states the loads of both, or rightly none."""
+    arm, loads = cell.arm(arm_plan.arm), arm_plan.loads
+    tools = arm.tool, next(tool for tool in arm.tools if tool.name == arm_plan.tool)
+    unknown = [tool.name for tool in tools if tool.mass is None]
+    if unknown and loads is not None:
+        yield Violation(ProofText.NO_LOAD_KNOWN(tool=unknown[0]), arm_plan.arm)
+    if unknown:
+        return
+    if loads is None or loads.new_tool is None:
+        yield Violation(ProofText.NO_LOAD_STATED(tool=tools[1].name), arm_plan.arm)
+        return
+    stated = zip((loads.tool, loads.new_tool), tools, strict=True)
+    if loads.part is not None or not all(_is_alike(load, _of_tool(t), 0.0) for load, t in stated):
+        yield Violation(ProofText.TOOL_LOAD(), arm_plan.arm)
 
 
 def _is_alike(stated: Load, meant: pin.Inertia, off: float) -> bool:
