@@ -110,7 +110,7 @@ def read_detection(table: Table, *, complete: bool) -> Detection:
         gap=optional("gap"),
         residual=optional("residual"),
         roll_known=table.flag("roll_known", known),
-        covariance=_covariance(table) if table.has("covariance") else None,
+        covariance=read_covariance(table) if table.has("covariance") else None,
         probability=later("probability"),
         roll_axis=_roll_axis(table) if table.has("roll_axis") else None,
         T_world_found=read_pose_rows(table, "T_world_found")
@@ -137,15 +137,15 @@ def name_in(table: Table, key: str) -> str:
 
 def _placing(table: Table) -> PlacingError:
     error = table.table("placing")
-    read = PlacingError(error.rows("by_scanner", 6), _covariance(error))
+    read = PlacingError(error.rows("by_scanner", 6), read_covariance(error))
     if read.by_scanner.shape != (6, 6) or np.abs(read.by_scanner).max() > WIDEST:
         raise error.error("by_scanner", f"is not six rows of six, at most {WIDEST:g} each")
     error.finish()
     return read
 
 
-def _covariance(table: Table) -> Floats:
-    """Six rows of six numbers [m, rad] that can be a covariance."""
+def read_covariance(table: Table) -> Floats:
+    """Six rows of six numbers (6, 6) [m, rad] that can be a covariance."""
     rows = table.rows("covariance", 6)
     if np.abs(rows).max(initial=0.0) > WIDEST:
         raise table.error("covariance", f"reaches {np.abs(rows).max():.3g}, at most {WIDEST:g}")

@@ -25,6 +25,7 @@ from workbench.model.messages.cells import (
     KitText,
     LoadText,
     RecipeText,
+    SeenBaseText,
     ViewChoiceText,
 )
 from workbench.model.messages.changes import ChangeText, FillText, GraspChange, RemainText
@@ -140,6 +141,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     ViewChoiceText,
     AssemblyText,
     KitText,
+    SeenBaseText,
     InventoryText,
     CommandText,
     RoleText,
