@@ -5,6 +5,7 @@ import tomllib
 from dataclasses import replace
 from pathlib import Path
 
+import pinocchio as pin
 import pytest
 from assembling import assembly_cell, standing_spacer
 from page_commands import follow
@@ -12,7 +13,11 @@ from page_commands import follow
 from workbench.cli.authoring.cell_check import _notes
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
+from workbench.formats.clouds.scans import write_cloud
 from workbench.formats.plans.pose_files import write_poses
+from workbench.model.derived.by_recipe import with_recipe
+from workbench.model.scan import Detection
+from workbench.perception.simulation.synthesize import synthesize
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "recipes.md").read_text(encoding="utf-8")
@@ -43,6 +48,20 @@ def test_explain_says_how_many_parts_mate_with_a_base_that_stands(tmp_path, caps
     assert "of picks mate with bolt" in capsys.readouterr().out
     assert main([*asked, "--stands", "spacer"]) == 2
     assert "--stands spacer: the recipe puts no spacer at a place" in capsys.readouterr().err
+
+
+def test_explain_says_what_a_second_look_at_the_base_gains(tmp_path, capsys):
+    cell = with_recipe(read_cell(ASSEMBLY), 2)
+    spacer, poses, file = standing_spacer(cell), tmp_path / "poses.json", tmp_path / "scan.ply"
+    T = cell.arm("right").part_places[0].T_world_part
+    off = pin.SE3(T.rotation, T.translation + [0.003, -0.002, -0.006])
+    write_cloud(file, synthesize(cell, (spacer, Detection("bolt", off)), seed=2))
+    write_poses(poses, [spacer])
+    asked = ["explain", str(ASSEMBLY), "--poses", str(poses), "--recipe", "2", "--stands", "bolt"]
+    assert main([*asked, "--scan", str(file)]) == 0
+    assert "(before bolt was seen: " in capsys.readouterr().out
+    assert main(asked) == 3
+    assert "bolt has to be seen in the scan" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_joint_that_takes_less_than_the_calibration_is_off_is_noted():

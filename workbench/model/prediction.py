@@ -67,6 +67,8 @@ class PileTask:
     it, and what stays is reported without a nearest fix.  `picks`: plans in a row after one look,
     at most.  `recipe` is the number of the cell's recipe, 0 for none; `bin` the name of its bin.
     `stirs`: how often in a row a hand stirs where nothing can be taken; None: as the cell says.
+    `displaced` [m]: by so much a base of an assembly is shifted sideways once it was placed; if
+    that is not 0, a kit is complete only if its parts mate.
     """
 
     cell: str
@@ -82,6 +84,7 @@ class PileTask:
     recipe: int = field(default_factory=int, metadata=LATER)
     bin: str = field(default_factory=str, metadata=LATER)
     stirs: int | None = field(default_factory=lambda: None, metadata=LATER)
+    displaced: float = field(default_factory=float, metadata=LATER)
 
 
 NOT_FOUND, STOPPED = "not found", "stopped"
@@ -140,7 +143,8 @@ class EmptiedPile:
     say that the hand goes where something not found may go on unseen, `warned_touches` the touches
     among these.  `holdable` of those left some hand fits at and holds as they lie, None when nobody
     asked.  `kits` were completed, of how many that its parts make; None where the recipe fills
-    none.  A hand has stirred the parts `stirs` times.
+    none.  A hand has stirred the parts `stirs` times.  `unmated` kits have a part that did not mate
+    with its base.
     """
 
     task: PileTask
@@ -165,6 +169,7 @@ class EmptiedPile:
     holdable: int | None = field(default_factory=lambda: None, metadata=LATER)
     kits: tuple[int, int] | None = field(default_factory=lambda: None, metadata=LATER)
     stirs: int = field(default_factory=int, metadata=LATER)
+    unmated: int = field(default_factory=int, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from workbench.model.geometry import Floats, copy_pose, frozen, put
 from workbench.model.messages.calibration import ObjectionText, ScaleText, ScanText
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.recipes.joint import PlacingError
+from workbench.model.recipes.seen_base import SeenBase
 from workbench.model.robot import ScannedView
 
 ALL_KINDS = "all"
@@ -293,19 +294,21 @@ class Obstacle:
     Where it is around a part that was put onto a pallet in layers, or into an assembly, and surely
     is there, `part` is its kind, and `T_world_put` where the hand has let go of it: the box is
     where it has fallen to.  In an assembly (`derived.assembling`) the part's own shape counts
-    instead of the box.
+    instead of the box.  `seen` is what a scan shows of it, where the next part has to come to where
+    that is seen; then the box is there.
     """
 
     T_world_box: pin.SE3
     size: Floats
     part: str = field(default_factory=str, metadata=LATER)
     T_world_put: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
+    seen: SeenBase | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         size = frozen(self.size)
         if size.shape != (3,) or not np.all(size > 0):
             raise InputError(ScanText.OBSTACLE_SIZE())
-        if bool(self.part) != (self.T_world_put is not None):
+        if bool(self.part) != (self.T_world_put is not None) or (self.seen and not self.part):
             raise InputError(ScanText.PALLET_PART())
         put(
             self,

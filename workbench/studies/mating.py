@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-import pinocchio as pin
 
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
@@ -20,8 +19,15 @@ from workbench.planning.placing.budget import budget_of
 from workbench.planning.placing.chance import draw_errors
 from workbench.planning.placing.mating import mate, mating_chance
 from workbench.planning.placing.sources import scanner_error
-from workbench.plugins.progress import Report, silent
+from workbench.plugins.progress import Report, silent, within
 from workbench.studies.placing import Case, look_at
+from workbench.studies.seen_bases import SeenAgain, motion_of, see_again
+
+LOOKING = 0.5
+"""Share of the progress for scans in which bases are seen again."""
+
+MOST_SEEN = 100
+"""Bases that are seen again, each in a scan of its own; more insertions share them."""
 
 FOUND_PARTS, GRASPS_A_PART, FALLS_A_PART = 6, 2, 4
 """Parts of each kind that are found, grasps of each, and falls for one that is."""
@@ -91,7 +97,8 @@ PUSH = Push(force=50.0, friction=0.2, stiffness=3000.0)
 class Inserts:
     """Which insertions: of `pair`, with all errors `wider` times as large.
 
-    `is_rigid`: the hand does not give way.
+    `is_rigid`: the hand does not give way.  `looks_again`: the base is found again in a scan of its
+    own, and its error is that of this sight, which nothing widens.
     """
 
     cell: str
@@ -101,6 +108,7 @@ class Inserts:
     wider: float = 1.0
     is_rigid: bool = False
     push: Push = PUSH
+    looks_again: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +116,8 @@ class Mated:
     """The share of insertions that mate, 0..1: as `predicted` of budgets, and as `measured`.
 
     `by_rule` is that by `mate` for the very errors drawn, and `otherwise` the share of insertions
-    that end otherwise than it says.
+    that end otherwise than it says.  Where bases are found again `believed` is the share that is
+    predicted without, and `unseen` of them were not found: nothing was put onto these.
     """
 
     pair: str
@@ -117,6 +126,8 @@ class Mated:
     by_rule: float
     measured: float
     otherwise: float
+    believed: float | None = None
+    unseen: int = 0
 
 
 def insert_parts(case: Inserts, report: Report = silent) -> Mated:
@@ -139,33 +150,60 @@ def insert_parts(case: Inserts, report: Report = silent) -> Mated:
         [_widen(error, case.wider) for error in errors_of(case.cell, kind, case.seed)]
         for kind in (pair.part, insertion.base)
     )
+    bases = _bases(case, insertion.base, of_base, within(report, 0.0, LOOKING))
+    if not bases:
+        raise InputError(f"{case.pair}: no base was seen again")
     rng = np.random.default_rng([case.seed, 2])
-    chosen = rng.integers(0, (len(of_part), len(of_base)), (case.count, 2)).tolist()
-    chances = {
-        (i, j): mating_chance(insertion, of_part[i], of_base[j], scanner)
-        for i, j in sorted({(i, j) for i, j in chosen})
-    }
+    chosen = rng.integers(0, (len(of_part), len(bases)), (case.count, 2)).tolist()
+    drawn = [(of_part[i], bases[j]) for i, j in chosen]
+    stated = [(part, base.error) for part, base in drawn]
     turned = draw_errors(scanner, case.count, case.seed + 1)
     inserting = Inserting(insertion, pair.radius, case.push, is_peg=pair.is_peg)
     rules: list[bool] = []
     found: list[bool] = []
-    for number, (i, j) in enumerate(chosen):
-        report(number / case.count, case.pair)
+    for number, (of_part_drawn, of_base_drawn) in enumerate(drawn):
+        report(LOOKING + (1.0 - LOOKING) * number / case.count, case.pair)
         part, base = (
             error.by_scanner @ turned[number]
             + draw_errors(error.covariance, 1, case.seed + 2 * number + which)[0]
-            for which, error in ((2, of_part[i]), (3, of_base[j]))
+            for which, error in ((2, of_part_drawn), (3, of_base_drawn.error))
         )
+        if case.looks_again:
+            base = of_base_drawn.error.by_scanner @ turned[number] + of_base_drawn.off
         rules.append(bool(mate(insertion, part[None], base[None])[0]))
-        found.append(inserting.insert(_motion(base), _motion(part)).is_mated(joint))
+        found.append(inserting.insert(motion_of(base), motion_of(part)).is_mated(joint))
+    believed = [(part, base.believed) for part, base in stated if base.believed is not None]
     return Mated(
         case.pair,
         case.count,
-        float(np.mean([chances[i, j] for i, j in chosen])),
+        _predict(insertion, scanner, stated),
         float(np.mean(rules)),
         float(np.mean(found)),
         float(np.mean(np.array(rules) != np.array(found))),
+        _predict(insertion, scanner, believed) if believed else None,
+        min(case.count, MOST_SEEN) - len(bases) if case.looks_again else 0,
     )
+
+
+def _predict(
+    insertion: Insertion, scanner: Floats, pairs: Sequence[tuple[PlacingError, PlacingError]]
+) -> float:
+    """The share of parts and bases, by their errors, that mate; each pair is computed once."""
+    known = {(id(part), id(base)): (part, base) for part, base in pairs}
+    chances = {
+        key: mating_chance(insertion, part, base, scanner) for key, (part, base) in known.items()
+    }
+    return float(np.mean([chances[id(part), id(base)] for part, base in pairs]))
+
+
+def _bases(
+    case: Inserts, kind: str, believed: Sequence[PlacingError], report: Report
+) -> list[SeenAgain]:
+    """The bases of some errors: as they are believed, or as a scan of each shows it again."""
+    if not case.looks_again:
+        return [SeenAgain(error, np.zeros(6)) for error in believed]
+    count = min(case.count, MOST_SEEN)
+    return see_again(case.cell, kind, believed, count=count, seed=case.seed, report=report)
 
 
 @lru_cache(maxsize=16)
@@ -197,8 +235,3 @@ def errors_of(cell_name: str, kind: str, seed: int) -> Sequence[PlacingError]:
 
 def _widen(error: PlacingError, times: float) -> PlacingError:
     return PlacingError(error.by_scanner, error.covariance * times**2)
-
-
-def _motion(error: Floats) -> pin.SE3:
-    """What is off by an error (6,) [m, rad], in its own frame."""
-    return pin.SE3(pin.exp3(error[3:]), error[:3])

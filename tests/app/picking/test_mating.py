@@ -76,11 +76,11 @@ def test_what_is_put_down_brings_its_error_along(cell, sure, plan):
     (put,) = put_down(cell, plan)
     (arm_plan,) = plan.arms
     budget = budget_by(cell, sure, arm_plan.arm, arm_plan.T_tcp_part.inverse())
-    known = base_errors([put])["spacer"]
+    known = base_errors(cell, [put])["spacer"]
     assert np.array_equal(known.covariance, budget.error.covariance)
     assert np.array_equal(known.by_scanner, budget.error.by_scanner)
     # Nothing is known of one that may be there or not.
-    assert base_errors([replace(put, score=0.0)]) == {}
+    assert base_errors(cell, [replace(put, score=0.0)]) == {}
 
 
 def test_a_nest_that_centres_a_part_leaves_what_it_says(cell, plan):

@@ -12,6 +12,7 @@ from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
 from workbench.model.derived.assembling import assembled_kinds, insertion_of
 from workbench.model.derived.by_recipe import wanted_parts, with_recipe
+from workbench.model.digest import canonical
 from workbench.model.errors import FileError
 from workbench.model.recipes.joint import Joint
 from workbench.model.recipes.kit import Insertion, Wanted
@@ -22,13 +23,13 @@ INSERT = "position_mm = [0, 0, 0]\ninsert_mm = 60\nclearance_mm = 0.5\n"
 
 @pytest.fixture
 def changed(tmp_path):
-    """A copy of the cell that assembles, with a text in it changed; its path."""
+    """A copy of the cell that assembles, by its first recipe, with a text changed; its path."""
 
     def made(was: str = "", becomes: str = "", add: str = "") -> Path:
         shutil.copytree(find("robots", "yumi"), tmp_path / "robots" / "yumi", dirs_exist_ok=True)
         shutil.copytree(find("parts", "bolt").parent, tmp_path / "parts", dirs_exist_ok=True)
         path = tmp_path / "robots" / "yumi" / "assembly.toml"
-        text = path.read_text(encoding="utf-8")
+        text, _ = path.read_text(encoding="utf-8").split("[[recipe]]\nnumber = 2")
         assert was in text
         path.write_text(text.replace(was, becomes, 1) + add, encoding="utf-8")
         return path
@@ -46,6 +47,16 @@ def test_a_recipe_says_how_a_part_comes_onto_another_one(changed, tmp_path):
     assert assembled_kinds(chosen) == {"bolt", "spacer"} and assembled_kinds(cell) == set()
     assert wanted_parts(chosen) == Wanted({"bolt": 1, "spacer": 1}, in_order=True)
     assert read_cell(write_cell(tmp_path / "written", cell, {})).recipes == cell.recipes
+
+
+def test_a_recipe_states_that_a_base_is_looked_at_again(changed, tmp_path):
+    cell = read_cell(changed("insert_mm = 65", "insert_mm = 65\nlook_again = true"))
+    found = insertion_of(with_recipe(cell, 1), "spacer")
+    assert found is not None and found.look_again
+    assert read_cell(write_cell(tmp_path / "written", cell, {})).recipes == cell.recipes
+    # Cells without the key have the digests that they had.
+    believed = insertion_of(with_recipe(read_cell(changed()), 1), "spacer")
+    assert "look_again" not in canonical(believed)
 
 
 def test_a_recipe_need_not_say_what_a_joint_tolerates(changed):
@@ -91,6 +102,9 @@ def test_a_direction_of_any_length_will_do_and_down_is_meant_where_there_is_none
         ("clearance_mm = 0.5", "clearance_mm = -0.5", "", "clearance_mm.*-0.5 .*0.05"),
         ("clearance_mm = 0.5", "clearance_mm = 0", "", "clearance_mm"),
         ("clearance_mm = 0.5\n", "", "", "clearance_mm.*missing"),
+        ('part = "bolt"\n\n', 'part = "bolt"\nlook_again = true\n\n', "",
+         "look_again.*`on` is expected"),
+        ("insert_mm = 65", 'insert_mm = 65\nlook_again = "yes"', "", "look_again"),
         ("insert_mm = 65", "insert_mm = 0", "", "insert_mm.*0 .*1 .*500"),
         ("insert_mm = 65", 'insert_mm = "far"', "", "insert_mm.*a number"),
         ("position_mm = [0, 0, -14]\n", "", "", "position_mm.*missing"),

@@ -26,7 +26,7 @@ def test_a_kit_is_filled_and_replaced_over_http(site):
     kit = site.get("/state").json()["kit"]
     assert kit == {
         "items": [{"part": "keyed_cylinder", "count": 2, "has": 0}],
-        "is_complete": False, "complete_before": 0, "incomplete_before": 0,
+        "is_complete": False, "complete_before": 0, "incomplete_before": 0, "bases": [],
     }  # fmt: skip
     assert site.post("/kit").json()["said"]["id"] == "kit.nothing"
     cycle(site)

@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.app.core.cycle.outcomes import AVOID_SCANS, MOST_FAILURES
 from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.app.emptying.assemblies import TRUE_POSES, Assembled, kits_possible
 from workbench.app.emptying.bound import bound_of, holdable
 from workbench.app.emptying.film import FilmedPick, Shot, unseen
 from workbench.app.emptying.looking import from_next_view, scan_pile
@@ -18,17 +19,15 @@ from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.pile_check import kinds_in_turn
 from workbench.app.picking.row import plan_row
 from workbench.app.picking.sightlines import seconds_seen, sees_from
-from workbench.app.picking.stations import put_down
 from workbench.model.candidate import Reason, Verdict
 from workbench.model.cell import Cell
-from workbench.model.derived.assembling import assembled_kinds
+from workbench.model.derived.assembling import standing_parts
 from workbench.model.derived.by_recipe import kit_of, wanted_parts
 from workbench.model.derived.by_view import views_of
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.work import CancelText, ProgressText
-from workbench.model.plan import ArmPlan, Plan, PlanResult
+from workbench.model.plan import Plan, PlanResult
 from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
-from workbench.model.recipes.kit import lacking
 from workbench.model.scan import Detection, Scene, SearchOverrides, Unexplained
 from workbench.perception.scene.unexplained import look_around
 from workbench.perception.simulation.piles import drop_parts
@@ -67,9 +66,7 @@ class _Tally:
     beside: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
     warned_picks: int = 0
     warned_touches: int = 0
-    kit: list[str] = field(default_factory=list[str])
-    kits: int = 0
-    assembled: tuple[Detection, ...] = ()
+    assembled: Assembled = field(default_factory=Assembled)
 
 
 def empty_pile(
@@ -181,7 +178,7 @@ def _record_pile(
         known,
         refusal=end.refusal,
         looked=summarize(tally.seen, end.result),
-        obstacles=boxes_around(cell, tally.assembled),
+        obstacles=boxes_around(cell, tally.assembled.placed),
         seed=task.seed,
         is_stopped=end.is_stopped,
         fixes=not task.change,
@@ -215,8 +212,9 @@ def _record_pile(
         tally.warned_picks,
         tally.warned_touches,
         holdable(cell, rest, seed=task.seed) if estimates else None,
-        (tally.kits, _kits_possible(cell, task.count)) if kit_of(cell) else None,
+        (tally.assembled.complete, kits_possible(cell, task.count)) if kit_of(cell) else None,
         tally.stirs,
+        tally.assembled.unmated,
     )
 
 
@@ -255,10 +253,10 @@ def _look_and_plan(
     cancelled: Cancelled,
 ) -> tuple[Cell, PlanResult | None]:
     """A plan for what is seen, None when nothing is; and the cell by the view it begins at."""
-    detections, digest = tuple(lying), "study"
-    around = Unexplained()
+    detections, digest = tuple(lying), TRUE_POSES
+    around, assembled = Unexplained(), tally.assembled
     if task.seen == "scan":
-        look = scan_pile(cell, lying, seed=seed)
+        look = scan_pile(cell, (*lying, *assembled.truth), seed=seed)
         cell, scan = look.cell, look.scan
         tally.scans += look.scans - 1
         tally.motion += look.motion
@@ -266,11 +264,14 @@ def _look_and_plan(
         usual = SearchOverrides().detail
         found = find_parts(scan, cell, seed=seed, detail=usual, cancelled=cancelled)
         detections = found.detections
-        around = look_around(cell, scan, detections)
+        boxes = assembled.boxes(cell, task, scan)
+        around = look_around(cell, scan, detections, standing_parts(cell, boxes))
         tally.finding += look.merging + working_time() - began
         tally.seen = detections
         digest = scan.digest
-    obstacles = (*around.seen, *boxes_around(cell, tally.assembled))
+    else:
+        boxes = assembled.boxes(cell, task, None)
+    obstacles = (*around.seen, *boxes)
     tally.known = Scene(digest, detections, obstacles)
     if not detections:
         return cell, None
@@ -284,7 +285,7 @@ def _look_and_plan(
         obstacles=obstacles,
         unseen=around.unseen,
         avoided=left_alone(detections, [detection for detection, _ in avoided]),
-        wanted=wanted_parts(cell, Counter(tally.kit)),
+        wanted=wanted_parts(cell, Counter(assembled.kit)),
         seed=seed,
         cancelled=cancelled,
     )
@@ -313,25 +314,6 @@ def _stir(
     return True
 
 
-def _add_to_kit(cell: Cell, tally: _Tally, plan: Plan, arm_plan: ArmPlan) -> None:
-    """Count a part for the kit that is being filled; after a complete one an empty one follows."""
-    items, part = kit_of(cell), plan.detections[arm_plan.detection].part
-    tally.kit.append(part)
-    if part in assembled_kinds(cell):
-        (placed,) = put_down(cell, replace(plan, arms=(arm_plan,)))
-        tally.assembled += (placed,)
-    if items and not lacking(items, Counter(tally.kit)):
-        tally.kits += 1
-        tally.kit.clear()
-        tally.assembled = ()
-
-
-def _kits_possible(cell: Cell, count: int) -> int:
-    """How many whole kits a pile of this many parts makes."""
-    kinds = Counter(part.name for part in kinds_in_turn(cell, count))
-    return min(kinds[item.part] // item.count for item in kit_of(cell))
-
-
 def _carry_out(
     cell: Cell, task: PileTask, plan: Plan, lying: list[tuple[int, Detection]], tally: _Tally
 ) -> tuple[list[int], tuple[FilmedPick, ...]]:
@@ -354,7 +336,7 @@ def _carry_out(
         else:
             tally.taken += 1
             tally.rolled += taking.is_turned
-            _add_to_kit(cell, tally, plan, arm_plan)
+            tally.assembled.add(cell, task, plan, arm_plan)
         if taking.number is None:
             picks.append(FilmedPick(arm_plan.arm, None, arm_plan.T_tcp_part, kind, tuple(lying)))
             continue

@@ -79,9 +79,10 @@ def _kits(scenes: Sequence[EmptiedPile]) -> dict[str, int | None]:
     """Kits that were completed, and that the parts of the piles make; None where none is filled."""
     counts = [pile.kits for pile in scenes if pile.kits is not None]
     if not counts:
-        return {"kits": None, "kits_possible": None}
+        return {"kits": None, "kits_possible": None, "kits_unmated": None}
     complete, possible = map(sum, zip(*counts, strict=True))
-    return {"kits": complete, "kits_possible": possible}
+    unmated = sum(pile.unmated for pile in scenes)
+    return {"kits": complete, "kits_possible": possible, "kits_unmated": unmated}
 
 
 def _by_kind(pile: EmptiedPile) -> dict[str, int]:

@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from workbench.app.standing.seen_again import as_scan_shows
 from workbench.formats.plans.certificates import Certificate
 from workbench.model.cell import Cell
+from workbench.model.derived.assembling import standing_parts
 from workbench.model.derived.by_tcp import has_tcp, with_tcp
 from workbench.model.digest import digest_of
 from workbench.model.load import loads_of
@@ -48,7 +50,8 @@ def scene_of(
     A part of which the plan knows nothing is something in the scan that no part explains.  So it
     is an obstacle that the plan leaves out.  One that the scan does not show is not known to be
     there. Nor is one that another plan has to put there first: such a plan is proven in its row.
-    No scan shows what lies on pallets in layers: the plan's word is taken for it.
+    No scan shows what lies on pallets in layers: the plan's word is taken for it.  A base that the
+    plan has from a scan is compared with that scan.
 
     Args:
         cell: as it is now.
@@ -71,8 +74,8 @@ def scene_of(
         from workbench.perception.scene.unexplained import unexplained
 
         # What lies on pallets no scan of the bin shows: the plan's word is taken for it.
-        kept = (obstacle for obstacle in plan.obstacles if obstacle.part)
-        obstacles = (*unexplained(cell, scan, found), *kept)
+        kept = as_scan_shows(cell, scan, plan.obstacles)
+        obstacles = (*unexplained(cell, scan, found, standing_parts(cell, kept)), *kept)
         if detections is None:
             found = _select_shown(cell, scan, found)
     return Scene(digest, found, obstacles)

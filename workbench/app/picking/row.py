@@ -188,7 +188,7 @@ def _row(
             if moved is not None:
                 ends = ends or renumber(moved.problem, first.plan, plan.detections)
             left, wanted = _carry_over(plan, left), _still_wanted(plan, wanted)
-            bases = {**bases, **base_errors(put_down(cell, plan))}
+            bases = {**bases, **base_errors(cell, put_down(cell, plan))}
             scene = scene_after(cell, plan)
         if wanted is not None and not wanted.counts:
             ends = RowEnd.KIT_COMPLETE()

@@ -22,11 +22,13 @@ from workbench.app.picking.row import plan_row
 from workbench.app.picking.tool_making import tool_for
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.worker import JobFunction
+from workbench.app.standing.seen_again import with_sight
 from workbench.formats.cells.reading import part_folders
 from workbench.formats.parts.reading import read_part
 from workbench.formats.parts.scales import round_shape
 from workbench.model.calibration import BallScan, PlateObservation
 from workbench.model.cell import Cell, Tool
+from workbench.model.derived.assembling import standing_parts
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.messages.calibration import ScaleText
 from workbench.model.messages.work import CancelText, JobText, ProgressText
@@ -187,7 +189,12 @@ def plan(
     """
     scan, detections = arguments["scan"], arguments["detections"]
     report(0.0, ProgressText.OBSTACLES())
-    around = Unexplained() if scan is None else look_around(cell, scan, detections)
+    # What came from outside belongs to no scan of this scanner.
+    is_scanned = scan is not None and scan.digest == arguments["scan_digest"]
+    boxes = boxes_around(cell, arguments["placed"])
+    boxes = with_sight(cell, scan if is_scanned else None, boxes)
+    standing = standing_parts(cell, boxes)
+    around = Unexplained() if scan is None else look_around(cell, scan, detections, standing)
     result = plan_row(
         cell,
         detections,
@@ -198,11 +205,11 @@ def plan(
         overrides=arguments["overrides"],
         obstacles=(
             *around.seen,
-            *boxes_around(cell, arguments["placed"]),
+            *boxes,
             *(room_of_moved(cell, part) for part in arguments.get("disturbed", ())),
         ),
         unseen=around.unseen,
-        bases=base_errors(arguments["placed"]),
+        bases=base_errors(cell, arguments["placed"], boxes),
         avoided=dict(arguments["avoided"]),
         wanted=arguments["wanted"],
         seed=arguments["seed"],
@@ -231,8 +238,10 @@ def stir(
 ) -> PlanResult:
     """A hand that stirs the parts in the bin; what was `placed` is in the way."""
     scan, detections = arguments["scan"], arguments["detections"]
-    seen = () if scan is None else unexplained(cell, scan, detections)
-    obstacles = (*seen, *boxes_around(cell, arguments["placed"]))
+    boxes = boxes_around(cell, arguments["placed"])
+    standing = standing_parts(cell, boxes)
+    seen = () if scan is None else unexplained(cell, scan, detections, standing)
+    obstacles = (*seen, *boxes)
     scene = Scene(arguments["scan_digest"], detections, obstacles)
     return plan_stir(cell, scene, seed=arguments["seed"], report=report)
 
@@ -262,8 +271,10 @@ def glance(
     obstacles = arguments["obstacles"]
     if obstacles is None:
         scan, found, placed = arguments["around"]
-        seen = () if scan is None else unexplained(cell, scan, found)
-        obstacles = (*seen, *boxes_around(cell, placed))
+        boxes = with_sight(cell, scan, boxes_around(cell, placed))
+        standing = standing_parts(cell, boxes)
+        seen = () if scan is None else unexplained(cell, scan, found, standing)
+        obstacles = (*seen, *boxes)
     changed = apply_change(cell, arguments["change"])
     avoided = dict(arguments["avoided"])
     return glance_by_each_tcp(changed, arguments["detections"], obstacles, avoided)

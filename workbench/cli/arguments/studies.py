@@ -148,6 +148,8 @@ class StudyEmptying:
     stirs: Maybe[int] = None
     """How often in a row a hand stirs where nothing can be taken; as the cell says when not
     given. Stirs also where the cell's robot link could not."""
+    displaced_mm: float = 0.0
+    """How far a base of an assembly moves sideways once it was placed; then parts have to mate."""
     bound: bool = False
     """Try many grasps of the tool on what stays: where one takes it, a library could."""
     what_if: str = ""
@@ -212,6 +214,8 @@ class StudyMating:
     """All errors are this many times as large."""
     rigid: bool = False
     """The hand does not give way sideways."""
+    look_again: bool = False
+    """Each base is found again in a simulated scan, and the part goes to where it is seen."""
     force: float = 50.0
     """With which the hand inserts at most [N]."""
     friction: float = 0.2

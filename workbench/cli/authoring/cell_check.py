@@ -8,6 +8,7 @@ import numpy as np
 from workbench.app.picking.pallets import pallet_problems, pallets_of
 from workbench.app.picking.stations import station_problems
 from workbench.app.runtime.readiness import make_ready
+from workbench.app.standing.in_view import base_places
 from workbench.cli.arguments.cell import CellCheck
 from workbench.cli.authoring.pose import round_axes
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -56,6 +57,7 @@ def check_cell(typed: CellCheck) -> int:
     problems += _slot_problems(cell)
     problems += map(str, station_problems(cell))
     problems += map(str, pallet_problems(cell))
+    problems += _unseen_bases(cell)
     loads = [(arm, tool_load(arm.tool)) for arm in cell.arms]
     notes = list(_notes(cell))
     if typed.json:
@@ -124,8 +126,24 @@ def _notes(cell: Cell) -> Iterator[str]:
             "robot's motion is proven; the robot's program has to keep clear of everything"
         )
     yield from _narrow_joints(cell)
+    for place in base_places(cell):
+        if 0 < len(place.seen_from) < place.views:
+            yield (
+                f"recipe {place.recipe}: {place.base} at place {place.place} of the {place.arm} "
+                f"arm is only viewed from {' and '.join(place.seen_from)}"
+            )
     if not cell.controller.motion.takes_loads:
         yield f"the robot link {cell.controller.link} sends no load; set it on the controller"
+
+
+def _unseen_bases(cell: Cell) -> Iterator[str]:
+    """Bases that a scan has to show at places which no view of the scanner shows."""
+    for place in base_places(cell):
+        if not place.seen_from:
+            yield (
+                f"recipe {place.recipe}: look_again needs {place.base} in the scan, and place "
+                f"{place.place} of the {place.arm} arm is in no view of the scanner"
+            )
 
 
 def _narrow_joints(cell: Cell) -> Iterator[str]:

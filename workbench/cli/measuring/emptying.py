@@ -42,6 +42,7 @@ def emptying(typed: StudyEmptying) -> int:
     if typed.stirs is not None:
         check_whole("--stirs", typed.stirs, 0, MOST_STIRS)
     check_whole("--workers", typed.workers, 1, 1024)
+    check_number("--displaced-mm", typed.displaced_mm, 0.0, 50.0)
     check_number("--scan-seconds", typed.scan_seconds, 0.0, LONGEST_STEP)
     check_number("--approval-seconds", typed.approval_seconds, 0.0, LONGEST_STEP)
     tasks = [
@@ -58,6 +59,7 @@ def emptying(typed: StudyEmptying) -> int:
             recipe=typed.recipe,
             bin=typed.bin,
             stirs=typed.stirs,
+            displaced=typed.displaced_mm / 1000,
         )
         for seed in range(typed.seed, typed.seed + typed.scenes)
     ]
@@ -173,7 +175,9 @@ def _print(found: dict[str, Any], title: str) -> None:
         f"{found['stirs']} times stirred"
     )
     if found["kits"] is not None:
-        print(f"{found['kits']} of {found['kits_possible']} kits complete")
+        unmated = found["kits_unmated"]
+        jammed = f", {unmated} whose parts do not mate" if unmated else ""
+        print(f"{found['kits']} of {found['kits_possible']} kits complete{jammed}")
     if found["warned_picks"]:
         print(
             f"{found['warned_picks']} of the picks, with {found['warned_touches']} of the touches, "

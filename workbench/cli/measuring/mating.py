@@ -26,7 +26,7 @@ def study_mating(typed: StudyMating) -> int:
     if not typed.joints:
         raise InputError("--joints needs at least one value")
     push = Push(typed.force, typed.friction, typed.stiffness * 1000)
-    about = (typed.insertions, typed.seed, typed.wider, typed.rigid, push)
+    about = (typed.insertions, typed.seed, typed.wider, typed.rigid, push, typed.look_again)
     with progress("mating") as report:
         make_ready(report, ("planning", "seeing"))
         done = [
@@ -45,6 +45,10 @@ def study_mating(typed: StudyMating) -> int:
         ("joint", "insertions", "predicted", "by rule", "measured", "apart", "not as by rule"),
         [_words(mated) for mated in done],
     )
+    for mated in done:
+        if mated.believed is not None:
+            unseen = f"; {mated.unseen} bases were not seen" if mated.unseen else ""
+            print(f"{mated.pair}: {mated.believed:.1%} predicted without looking again{unseen}")
     return SUCCESS
 
 

@@ -10,15 +10,17 @@ from workbench.app.picking.exactness import with_exactness
 from workbench.app.picking.judging import judge
 from workbench.app.picking.pallets import boxes_around
 from workbench.app.runtime.readiness import make_ready
+from workbench.app.standing.seen_again import with_sight
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.picking.planning import around_in, detections_from
 from workbench.cli.picking.results import candidate_form, print_candidates
 from workbench.cli.terminal import check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
+from workbench.formats.clouds.scans import read_scan
 from workbench.model.candidate import Candidate, Stage
 from workbench.model.cell import Cell
-from workbench.model.derived.assembling import assembled_kinds, insertion_of
+from workbench.model.derived.assembling import assembled_kinds, insertion_of, standing_parts
 from workbench.model.derived.by_recipe import with_recipe
 from workbench.model.errors import InputError
 from workbench.model.scan import Detection
@@ -42,8 +44,10 @@ def explain(typed: arguments.Explain) -> int:
         raise InputError(f"{typed.poses}: holds no poses, so there is nothing to explain")
     with progress("explain") as report:
         make_ready(report, ("planning",))
-        around = around_in(cell, typed.scan, detections).seen
-        obstacles = (*around, *boxes_around(cell, placed))
+        scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
+        boxes = with_sight(cell, scan, boxes_around(cell, placed))
+        around = around_in(cell, typed.scan, detections, standing_parts(cell, boxes)).seen
+        obstacles = (*around, *boxes)
         candidates = judge(cell, detections, obstacles=obstacles, seed=typed.seed, report=report)
         report(0.9, "looking for the nearest fix")
         fix = nearest_fix(cell, detections, candidates, seed=typed.seed, obstacles=obstacles)
@@ -55,11 +59,14 @@ def explain(typed: arguments.Explain) -> int:
             obstacles=obstacles,
             report=lambda done, note: report(0.9 + 0.1 * done, note),
         )
-    candidates = with_exactness(cell, detections, candidates)
+    candidates, bases = (
+        with_exactness(cell, detections, candidates),
+        base_errors(cell, placed, boxes),
+    )
     sure = [
         (
             candidate,
-            budget_of(cell, detections[candidate.detection], candidate, base_errors(placed)),
+            budget_of(cell, detections[candidate.detection], candidate, bases),
         )
         for candidate in candidates
         if candidate.verdict.is_ok
@@ -133,6 +140,7 @@ def _sure_form(candidate: Candidate, budget: Budget) -> dict[str, object]:
         "most_from": str(source()),
         "axis": str(axis()),
         "chance": budget.chance,
+        "chance_as_believed": budget.believed_chance,
         "mates_with": None
         if budget.insertion is None or budget.chance is None
         else budget.insertion.base,

@@ -221,14 +221,26 @@ def detections_from(cell: Cell, poses: Path, part: str | None) -> tuple[Detectio
     return detections
 
 
-def around_in(cell: Cell, scan: Path | None, detections: tuple[Detection, ...]) -> Unexplained:
-    """What a scan in a file shows beside the parts; nothing without a scan."""
+def around_in(
+    cell: Cell,
+    scan: Path | None,
+    detections: tuple[Detection, ...],
+    standing: tuple[Detection, ...] = (),
+) -> Unexplained:
+    """What a scan in a file shows beside the parts; nothing without a scan.
+
+    Args:
+        cell: bin and fixtures.
+        scan: the file.
+        detections: the parts found in it.
+        standing: parts that stand in an assembly.
+    """
     if scan is None:
         return Unexplained()
     # Brings Open3D along, which takes longer to load than a plan takes.
     from workbench.perception.scene.unexplained import look_around
 
-    return look_around(cell, read_scan(scan, cell.scanner), detections)
+    return look_around(cell, read_scan(scan, cell.scanner), detections, standing)
 
 
 def _print_form(

@@ -18,7 +18,7 @@ LEAST_CLEARANCE_MM = 0.05
 """What is proven of two parts is exact to this."""
 
 OF_INSERTION = ("position_mm", "insert_mm", "clearance_mm")
-ABOUT_INSERTION = ("rpy_deg", "insert_along", "joint")
+ABOUT_INSERTION = ("rpy_deg", "insert_along", "joint", "look_again")
 """Keys that an item with `on` needs, and others that it can have."""
 
 FAR_MM = 2000.0
@@ -97,6 +97,7 @@ def _insertion(item: Table) -> Insertion | None:
         length,
         item.number("clearance_mm", 0.5, low=LEAST_CLEARANCE_MM, high=100) / 1000,
         _joint(item.table("joint"), length) if item.has("joint") else None,
+        item.flag("look_again", False),
     )
 
 
@@ -171,6 +172,8 @@ def _insertion_lines(insertion: Insertion) -> Iterator[str]:
     yield f"insert_along = {numbers(insertion.along)}"
     yield f"insert_mm = {number(insertion.length * 1000)}"
     yield f"clearance_mm = {number(insertion.clearance * 1000)}"
+    if insertion.look_again:
+        yield "look_again = true"
     if (joint := insertion.joint) is not None:
         yield from (
             "",

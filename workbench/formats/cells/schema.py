@@ -77,6 +77,7 @@ A_RECIPE = {
             "position_mm": [0, 0, 0],
             "insert_mm": 50,
             "clearance_mm": 0.5,
+            "look_again": True,
             "joint": {"mouth_mm": [0, 0, 0], "depth_mm": 9, "radial_clearance_mm": 1},
         },
     ],

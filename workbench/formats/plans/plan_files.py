@@ -25,7 +25,13 @@ import numpy as np
 from workbench.formats.files.json_keys import json_text, read_json
 from workbench.formats.files.toml_keys import MISSING, Table, quote
 from workbench.formats.files.whole_files import write_whole
-from workbench.formats.plans.pose_files import MOST_PARTS, name_in, read_detection, read_pose_rows
+from workbench.formats.plans.pose_files import (
+    MOST_PARTS,
+    name_in,
+    read_covariance,
+    read_detection,
+    read_pose_rows,
+)
 from workbench.model.candidate import FoundGrip
 from workbench.model.digest import LARGE, canonical
 from workbench.model.errors import FileError, InputError
@@ -46,6 +52,7 @@ from workbench.model.plan import (
     Step,
     Strategy,
 )
+from workbench.model.recipes.seen_base import SeenBase, SightProblem
 from workbench.model.scan import Obstacle
 
 MOST_JOINTS = 64
@@ -185,8 +192,33 @@ def _obstacle(table: Table) -> Obstacle:
     part, T_world_put = "", None
     if table.has("part") or table.has("T_world_put"):
         part, T_world_put = table.text("part"), read_pose_rows(table, "T_world_put")
+    seen = _seen_base(table.table("seen")) if table.has("seen") else None
+    if seen is not None and not part:
+        raise table.error("seen", "is of a part of an assembly: `part` is expected")
     table.finish()
-    return Obstacle(T_world_box, size, part, T_world_put)
+    return Obstacle(T_world_box, size, part, T_world_put, seen)
+
+
+def _seen_base(table: Table) -> SeenBase:
+    """What a scan shows of a part of an assembly."""
+    problem = None
+    if not table.is_null("problem"):
+        problem = SightProblem(table.text("problem", among=tuple(SightProblem)))
+    is_seen = problem is None
+    seen = SeenBase(
+        table.text("scan", empty=not is_seen),
+        read_pose_rows(table, "T_world_part") if is_seen else None,
+        read_covariance(table) if is_seen else None,
+        table.number("shift", low=0, high=10),
+        table.number("turn", low=0, high=4),
+        table.number("visible", low=0, high=1),
+        problem,
+    )
+    for key in ("T_world_part", "covariance"):
+        if not is_seen and not table.is_null(key):
+            raise table.error(key, "is stated of a part that the scan does not show")
+    table.finish()
+    return seen
 
 
 def _arm(table: Table, detections: int) -> ArmPlan:

@@ -110,7 +110,7 @@ def read_detection(table: Table, *, complete: bool) -> Detection:
         gap=optional("gap"),
         residual=optional("residual"),
         roll_known=table.flag("roll_known", known),
-        covariance=_covariance(table) if table.has("covariance") else None,
+        covariance=read_covariance(table) if table.has("covariance") else None,
         probability=later("probability"),
         roll_axis=_roll_axis(table) if table.has("roll_axis") else None,
         T_world_found=read_pose_rows(table, "T_world_found")
@@ -137,7 +137,7 @@ def name_in(table: Table, key: str) -> str:
 
 def _placing(table: Table) -> PlacingError:
     error = table.table("placing")
-    read = PlacingError(error.rows("by_scanner", 6), _covariance(error))
+    read = PlacingError(error.rows("by_scanner", 6), read_covariance(error))
     if read.by_scanner.shape != (6, 6) or np.abs(read.by_scanner).max() > LARGEST_COVARIANCE:
         raise error.error(
             "by_scanner", f"is not six rows of six, at most {LARGEST_COVARIANCE:g} each"
@@ -146,8 +146,8 @@ def _placing(table: Table) -> PlacingError:
     return read
 
 
-def _covariance(table: Table) -> Floats:
-    """Six rows of six numbers [m, rad] that can be a covariance."""
+def read_covariance(table: Table) -> Floats:
+    """Six rows of six numbers (6, 6) [m, rad] that can be a covariance."""
     rows = table.rows("covariance", 6)
     if np.abs(rows).max(initial=0.0) > LARGEST_COVARIANCE:
         raise table.error(

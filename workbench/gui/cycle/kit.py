@@ -9,6 +9,7 @@ from workbench.gui.shared.views import line, sentence
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.messages.cells import KitText
 from workbench.model.messages.message import all_of
+from workbench.model.scan import Obstacle
 from workbench.words.words import Words
 
 
@@ -54,4 +55,13 @@ def _kit_words(state: State, words: Words) -> str:
     total = KitText.BEFORE(complete=kit.complete, incomplete=kit.incomplete)
     full = None if lacks_of(state) else KitText.COMPLETE()
     said = all_of((has, full, total if kit.complete + kit.incomplete else None))
-    return line(sentence(words.render(said)), kind="hint" if full is None else "warn")
+    first = line(sentence(words.render(said)), kind="hint" if full is None else "warn")
+    return first + "".join(_base_line(box, words) for box in state.obstacles)
+
+
+def _base_line(box: Obstacle, words: Words) -> str:
+    """Where a scan shows a base, or why not; empty for what no scan has to show."""
+    if box.seen is None:
+        return ""
+    said = sentence(words.render(box.seen.message(box.part)))
+    return line(said, kind="hint" if box.seen.problem is None else "bad")

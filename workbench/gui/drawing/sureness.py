@@ -55,7 +55,7 @@ class Sureness:
             return
         try:
             detection = (state.detections or ())[candidate.detection]
-            bases = base_errors(state.placed)
+            bases = base_errors(state.cell, state.placed, state.obstacles)
             known[number] = budget_of(state.cell, detection, candidate, bases).words
         except Exception:
             # A rim: a candidate of which nothing can be said leaves the page as it is.

@@ -16,8 +16,10 @@ from workbench.gui.shared.colours import BESIDE_BIN, BRAND, STATION, rgb_of
 from workbench.gui.shared.look import View
 from workbench.gui.texts.scene import PosePageText
 from workbench.model.cell import Cell
+from workbench.model.derived.assembling import seen_pose
 from workbench.model.geometry import Floats, frozen
 from workbench.model.part import Bin, Region, Station
+from workbench.model.recipes.seen_base import SeenBase
 from workbench.model.scan import Detection
 
 MARK_HEIGHT = 0.0003
@@ -92,7 +94,7 @@ class DrawnBeside:
     def __init__(self, scene: viser.SceneApi):
         """None is drawn yet."""
         self._scene = scene
-        self._drawn: tuple[Detection, ...] | None = ()
+        self._drawn: tuple[tuple[Detection, ...], tuple[SeenBase, ...]] | None = (), ()
 
     def draw(self, view: View, Ts_world_part: Sequence[pin.SE3]) -> None:
         """Show what stands beside the bin; `Ts_world_part` are the poses of the plan's parts.
@@ -105,7 +107,10 @@ class DrawnBeside:
             for detection in view.state.placed
             if not _is_shown(view, detection, Ts_world_part)
         )
-        if shown == self._drawn:
+        obstacles = view.state.obstacles
+        Ts_seen = {id(placed): seen_pose(placed, obstacles) for placed in shown}
+        moved = tuple(box.seen for box in obstacles if box.seen is not None)
+        if (shown, moved) == self._drawn:
             return
         self._drawn = None  # until it is drawn
         self._scene.remove_by_name("/placed")
@@ -115,8 +120,10 @@ class DrawnBeside:
             zip(there, at_rest(view.state.cell, there), strict=True)
         ):
             if detection in shown:
-                add_body(self._scene, f"/placed/{number}", known[detection.part], T, BESIDE_BIN)
-        self._drawn = shown
+                T_shown = Ts_seen[id(detection)] or T
+                name = f"/placed/{number}"
+                add_body(self._scene, name, known[detection.part], T_shown, BESIDE_BIN)
+        self._drawn = shown, moved
 
 
 def _is_shown(view: View, detection: Detection, Ts_world_part: Sequence[pin.SE3]) -> bool:

@@ -25,6 +25,7 @@ from workbench.model.messages.cells import (
     KitText,
     LoadText,
     RecipeText,
+    SeenBaseText,
     SlotText,
     ViewChoiceText,
 )
@@ -142,6 +143,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     ViewChoiceText,
     AssemblyText,
     KitText,
+    SeenBaseText,
     InventoryText,
     CommandText,
     RoleText,

@@ -117,6 +117,24 @@ class AssemblyText(Text, subject="assembly"):
     PASSED_ON = "the {arm} arm passes parts on, so that nothing can be assembled"
 
 
+class SeenBaseText(Text, subject="seen_base"):
+    """Where a scan shows the part of an assembly onto which another one comes, or why not."""
+
+    SEEN = "{base} was seen {shift:mm} and {turn:deg1} off its believed pose"
+    NO_SCAN = "{base} has to be seen in the scan that the parts were found in, and there is none"
+    NOT_IN_VIEW = "{base} is not in the scanner's view; choose a view that shows its place"
+    GONE = "the scan shows nothing where {base} is believed to stand"
+    TOO_LITTLE = "only {visible:%} of {base} is seen, too little to state its pose"
+    OTHER = "what stands in the place of {base} does not look like it"
+    TOO_FAR = (
+        "{base} was seen {shift:mm} and {turn:deg1} off its believed pose, at most {most:mm} and "
+        "{most_turn:deg1} are allowed"
+    )
+    PUT_SINCE = "{base} was put there after the scan; the next scan has to show it"
+    EITHER = "a part in an assembly is either seen in a scan, or has a reason why not"
+    COVARIANCE = "the covariance of a part that was seen has 6 rows and 6 columns"
+
+
 class KitText(Text, subject="kit"):
     """Kits: what they have and lack, and what follows from that."""
 

@@ -73,6 +73,7 @@ class BudgetText(Text, subject="budget"):
     )
     MATES = "{error}; {chance:%} of picks mate with {base}"
     MATES_SELDOM = "{error}; {chance:%} of picks mate with {base}, {share:%} are asked for"
+    SEEN_AGAIN = "{mating} (before {base} was seen: {before:%})"
     CALIBRATION = "calibration"
     LOCALIZATION = "localization"
     GRIP = "grip"

@@ -1,7 +1,8 @@
 """A joint of an assembly: what it tolerates, and how far a part that was placed may be off."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from workbench.model.digest import LATER
 from workbench.model.geometry import Floats, frozen, put
 
 
@@ -38,11 +39,12 @@ class PlacingError:
 
     Both are along the part's axes.  `by_scanner` (6, 6) [m, rad] is what a shift and a turn of the
     scanner bring about, which parts by one calibration share; `covariance` (6, 6) [m, rad] is that
-    of all else.
+    of all else.  `believed` is the error of a part before a scan has shown it again, if one has.
     """
 
     by_scanner: Floats
     covariance: Floats
+    believed: "PlacingError | None" = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, by_scanner=frozen(self.by_scanner), covariance=frozen(self.covariance))

@@ -22,7 +22,8 @@ class Insertion:
     `position` (3,) [m] and `rpy` (3,) [rad] are its pose in the base when the hand lets go of it.
     It comes there along the unit direction `along` (3,) in the base, over `length` [m].  On this
     motion the two parts keep at least `clearance` [m] between them; all else keeps its margin.
-    `joint` is what they tolerate, None where nobody states it.
+    `joint` is what they tolerate, None where nobody states it.  With `look_again` it comes to where
+    the base is seen in the scan that it is found in; where that shows none, it does not come.
     """
 
     base: str
@@ -32,6 +33,7 @@ class Insertion:
     length: float
     clearance: float
     joint: Joint | None = field(default_factory=lambda: None, metadata=LATER)
+    look_again: bool = field(default_factory=bool, metadata=LATER)
 
     @property
     def T_base_part(self) -> pin.SE3:

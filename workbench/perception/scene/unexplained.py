@@ -61,18 +61,29 @@ def explained_by(cell: Cell, detections: tuple[Detection, ...], points: Floats) 
     return _owners(scene, owners, points)
 
 
-def unexplained(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> tuple[Obstacle, ...]:
+def unexplained(
+    cell: Cell,
+    scan: Scan,
+    detections: tuple[Detection, ...],
+    standing: tuple[Detection, ...] = (),
+) -> tuple[Obstacle, ...]:
     """Upright boxes around all within the robot's reach that nothing known explains.
 
     Args:
         cell: bin and fixtures; the robot is expected to be out of the picture.
         scan: what was seen.
         detections: the parts found in it.
+        standing: parts that stand in an assembly.
     """
-    return look_around(cell, scan, detections).seen
+    return look_around(cell, scan, detections, standing).seen
 
 
-def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Unexplained:
+def look_around(
+    cell: Cell,
+    scan: Scan,
+    detections: tuple[Detection, ...],
+    standing: tuple[Detection, ...] = (),
+) -> Unexplained:
     """As `unexplained`, and where all that may go on unseen.
 
     Args:
@@ -80,9 +91,10 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
         scan: what was seen.
         detections: the parts found in it.  Of a merged one each view counts: what any of them
             shows is there.
+        standing: parts that stand in an assembly, which explain what is seen of them.
     """
     if len(scan.views) > 1:
-        found = [look_around(cell, each, detections) for each in scans_by_view(scan)]
+        found = [look_around(cell, each, detections, standing) for each in scans_by_view(scan)]
         return Unexplained(
             tuple(box for each in found for box in each.seen),
             tuple(box for each in found for box in each.unseen),
@@ -103,7 +115,7 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
     if len(left) == 0:
         return Unexplained()
     voxels = counted(left, CUBE)
-    scene, owners = known_surfaces(cell, detections, T_bin_world)
+    scene, owners = known_surfaces(cell, (*detections, *standing), T_bin_world)
     voxels = voxels.only(_owners(scene, owners, voxels.centres) == UNEXPLAINED)
     if len(voxels.counts) == 0:
         return Unexplained()

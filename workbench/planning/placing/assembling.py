@@ -1,6 +1,6 @@
 """Where an arm may put a part of an assembly, and whether it will mate there."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +8,12 @@ import pinocchio as pin
 
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell
-from workbench.model.derived.assembling import assembled_kinds, assembled_pose, insertion_of
+from workbench.model.derived.assembling import (
+    assembled_kinds,
+    assembled_pose,
+    insertion_of,
+    sight_problem,
+)
 from workbench.model.derived.by_tcp import by_taking
 from workbench.model.messages.cells import KitText
 from workbench.model.messages.message import Message
@@ -17,9 +22,10 @@ from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import PartPlace
 from workbench.model.plan import ArmPlan, Plan
 from workbench.model.recipes.joint import PlacingError
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.world import World
 from workbench.planning.placing.budget import budget_by
+from workbench.planning.placing.sources import localization_error, moves_by_scanner
 
 
 def arm_placing(world: World, arm: Arm, number: int) -> Arm | Verdict:
@@ -45,6 +51,8 @@ def arm_placing(world: World, arm: Arm, number: int) -> Arm | Verdict:
         note = VerdictNote.PLACE_NEEDS_ROLL()
     elif base and T_world_base is None:
         note = VerdictNote.NO_BASE(base=base)
+    elif insertion is not None:
+        note = sight_problem(insertion, world.obstacles)
     if note is not None:
         return Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
     arm = replace(arm, Ts_world_place=(), place_names=())
@@ -87,13 +95,34 @@ def nest_error(nest: PartPlace) -> PlacingError:
     return PlacingError(np.zeros((6, 6)), np.diag(np.square([shift] * 3 + [turn] * 3)))
 
 
-def base_errors(placed: Sequence[Detection]) -> Mapping[str, PlacingError]:
-    """By their kinds, the errors of the parts that surely are in the assembly."""
-    return {
+def base_errors(
+    cell: Cell, placed: Iterable[Detection], obstacles: Iterable[Obstacle] = ()
+) -> Mapping[str, PlacingError]:
+    """By their kinds, the errors of the parts that surely are in the assembly.
+
+    Args:
+        cell: whose scanner sees them.
+        placed: the parts as they were put down.
+        obstacles: with what a scan shows of them.
+    """
+    errors = {
         detection.part: detection.placing
         for detection in placed
         if detection.placing is not None and detection.score > 0
     }
+    for box in obstacles:
+        if box.seen is not None and box.seen.problem is None:
+            errors[box.part] = _seen_error(cell, box, errors.get(box.part))
+    return errors
+
+
+def _seen_error(cell: Cell, box: Obstacle, believed: PlacingError | None) -> PlacingError:
+    """How far a part that a scan shows may be off the pose seen."""
+    assert box.seen is not None and box.seen.T_world_part is not None
+    found = Detection(box.part, box.seen.T_world_part, covariance=box.seen.covariance)
+    to_part = np.kron(np.eye(2), found.T_world_part.rotation.T)
+    by_scanner = to_part @ moves_by_scanner(cell.scanner, found)
+    return PlacingError(by_scanner, to_part @ localization_error(found) @ to_part.T, believed)
 
 
 def mating_notes(cell: Cell, plan: Plan, bases: Mapping[str, PlacingError]) -> Iterator[Message]:

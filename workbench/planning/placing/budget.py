@@ -67,7 +67,8 @@ class Budget:
     counted by itself, turned by `turn` [rad] or less.  `largest` names what most of it comes from,
     and along or about which axis.  `chance` 0..1 is that of both within the tolerances of `place`,
     where there is one for the part; or, of a part that comes onto another one by a joint, of mating
-    with that by `insertion`.  `error` is all of it for what comes onto this part.
+    with that by `insertion`; `believed_chance` that before a scan has shown the base again, if one
+    has.  `error` is all of it for what comes onto this part.
     """
 
     covariance: Floats
@@ -81,6 +82,7 @@ class Budget:
     chance: float | None
     error: PlacingError
     insertion: Insertion | None
+    believed_chance: float | None = None
 
     def __post_init__(self) -> None:
         put(self, covariance=frozen(self.covariance), R_part_hand=frozen(self.R_part_hand))
@@ -100,10 +102,14 @@ class Budget:
             return error
         if self.place is None:
             assert self.insertion is not None and self.insertion.joint is not None
-            known = {"error": error, "chance": self.chance, "base": self.insertion.base}
+            base = self.insertion.base
+            known = {"error": error, "chance": self.chance, "base": base}
+            mating = BudgetText.MATES(**known)
             if self.mates_seldom:
-                return BudgetText.MATES_SELDOM(**known, share=self.insertion.joint.share)
-            return BudgetText.MATES(**known)
+                mating = BudgetText.MATES_SELDOM(**known, share=self.insertion.joint.share)
+            if self.believed_chance is None:
+                return mating
+            return BudgetText.SEEN_AGAIN(mating=mating, before=self.believed_chance, base=base)
         return BudgetText.WITHIN(
             error=error,
             chance=self.chance,
@@ -181,10 +187,12 @@ def budget_by(
     what = select_counted(part, detection, place)
     off = off_of(covariance, R_part_hand, what)
     shift, turn = (float(np.quantile(samples, CONFIDENCE)) for samples in off)
-    chance = None if place is None else within(off, place)
+    chance, believed = None if place is None else within(off, place), None
     if insertion is not None and insertion.joint is not None and insertion.base in bases:
-        base = bases[insertion.base]
-        chance = mating_chance(insertion, error, base, scanner_error(cell.scanner))
+        base, scanner = bases[insertion.base], scanner_error(cell.scanner)
+        chance = mating_chance(insertion, error, base, scanner)
+        if base.believed is not None:
+            believed = mating_chance(insertion, error, base.believed, scanner)
     return Budget(
         covariance,
         shares,
@@ -197,6 +205,7 @@ def budget_by(
         chance,
         error,
         insertion,
+        believed,
     )
 
 

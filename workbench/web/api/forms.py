@@ -20,6 +20,7 @@ from workbench.model.digest import canonical
 from workbench.model.messages.message import as_message
 from workbench.model.plan import Proof, Violation
 from workbench.model.prediction import Emptying
+from workbench.model.recipes.seen_base import SeenBase
 from workbench.model.scan import Scan
 
 Form = dict[str, Any]
@@ -106,6 +107,22 @@ def _kit_form(state: State) -> Form | None:
         "is_complete": is_complete,
         "complete_before": state.kit.complete,
         "incomplete_before": state.kit.incomplete,
+        "bases": [
+            _base_form(box.part, box.seen) for box in state.obstacles if box.seen is not None
+        ],
+    }
+
+
+def _base_form(part: str, seen: SeenBase) -> Form:
+    """Where a scan shows a part that stands in the assembly; no pose where it does not."""
+    T = seen.T_world_part
+    return {
+        "part": part,
+        "scan": seen.scan,
+        "T_world_part": None if T is None else T.homogeneous.tolist(),
+        "shift": seen.shift,
+        "turn": seen.turn,
+        "said": seen.message(part).program_form,
     }
 
 

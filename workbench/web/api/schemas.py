@@ -97,6 +97,16 @@ STATE = record(
             is_complete=FLAG,
             complete_before=WHOLE,
             incomplete_before=WHOLE,
+            bases=many(
+                record(
+                    part=TEXT,
+                    scan=TEXT,
+                    T_world_part=or_none(many(many(NUMBER))),
+                    shift=NUMBER,
+                    turn=NUMBER,
+                    said=SAID,
+                )
+            ),
         )
     ),
     is_saved=FLAG,

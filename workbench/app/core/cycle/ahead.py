@@ -26,6 +26,7 @@ from workbench.app.core.effects import StartJob, StopJob
 from workbench.app.core.picks import SendingEnd
 from workbench.app.core.state import Ahead, Phase, State
 from workbench.app.core.tasks import Begun
+from workbench.model.derived.assembling import looks_again
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.cells import SlotText
@@ -168,6 +169,9 @@ def after_the_end(before: State, after: State, entry: Entry) -> Decision:
 
 def _sees(state: State, ahead: Ahead) -> bool:
     """Whether the last plan that is sent has come, by the robot's reports, to where it is seen."""
+    if looks_again(state.cell):
+        # A base that is on its way there has to be in the next scan.
+        return False
     sees_from, receipts = ahead.wanted.sees_from, state.receipts
     if state.row or state.stopped_by or not sees_from or _has_failed(state):
         return False

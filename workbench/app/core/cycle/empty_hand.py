@@ -25,6 +25,7 @@ from workbench.app.core.tasks import Begun, begin_task
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
 from workbench.model.candidate import Reason
 from workbench.model.cell import Cell
+from workbench.model.derived.assembling import is_base_unseen
 from workbench.model.derived.by_bin import part_beside_bin
 from workbench.model.derived.policies import stir_problem
 from workbench.model.errors import CommandRefused, InputError
@@ -136,6 +137,9 @@ def stir_refusal(state: State) -> Message | None:
 
 def may_stir(state: State) -> bool:
     """Whether the cell's rule lets a cycle stir the parts now, where none can be taken."""
+    if is_base_unseen(state.obstacles):
+        # The parts in the bin are not what is missing.
+        return False
     is_late = state.verdict is not None and state.verdict.reason is Reason.OUT_OF_TIME
     return state.stirs < state.cell.policy.stirs and not is_late and stir_refusal(state) is None
 

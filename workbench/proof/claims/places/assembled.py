@@ -6,7 +6,12 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.derived.assembling import assembled_kinds, assembled_pose, insertion_of
+from workbench.model.derived.assembling import (
+    assembled_kinds,
+    assembled_pose,
+    insertion_of,
+    sight_problem,
+)
 from workbench.model.messages.message import Message
 from workbench.model.messages.proofs import ProofText
 from workbench.model.part import Part, PartPlace
@@ -54,6 +59,9 @@ def assembly_violations(
         most += cell.policy.margin
     elif (T_base := assembled_pose(cell, plan.obstacles, insertion.base)) is None:
         yield violation(ProofText.NO_BASE(part=found.part, base=insertion.base))
+        return
+    elif (why := sight_problem(insertion, plan.obstacles, plan.scan_digest)) is not None:
+        yield violation(why)
         return
     else:
         for problem, number in _insertion_problems(part, insertion, T_base, way):

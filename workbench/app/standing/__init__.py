@@ -1,0 +1,1 @@
+"""Parts that stand in an assembly: where a scan shows them, and which views can."""
