@@ -205,7 +205,8 @@ def place_new(node: viser.SceneNodeHandle, T: pin.SE3) -> None:
     pose comes first, which no browser gets: the last one counts.
     """
     node.position = T.translation + 1.0
-    node.wxyz = tuple(-value for value in quaternion(T))
+    w, x, y, z = quaternion(T)
+    node.wxyz = (-w, -x, -y, -z)
     place(node, T)
 
 

@@ -22,17 +22,17 @@ from workbench.perception.localization.assessment import ROLL_ERROR, refine_at_f
 from workbench.perception.localization.certainty import count_shared, covariance
 from workbench.perception.localization.choice import PLAUSIBLE, enough
 from workbench.perception.localization.localize import (
+    EXPLAINED_SHARE,
     LEAST_SPREAD,
     PIXELS_ACROSS,
     SPREAD_OVER_NOISE,
-    TOLERANCE,
     TOLERANCE_OVER_NOISE,
 )
 from workbench.perception.localization.outline import has_visible_boundary
 from workbench.perception.localization.settling import is_constrained, refine_poses, roll_error
 from workbench.perception.matching.likelihood import (
-    CLOSE,
     CLOSE_AHEAD,
+    CLOSE_IN_FRONT,
     ODD,
     log_likelihood_ratio,
 )
@@ -54,7 +54,7 @@ WIDEST_GATES = np.array([1.5, 1.5, 1.0, 1.0, 0.6, 0.4])
 FOLLOWED = 6
 """Fits that are followed, the best first."""
 
-STEPS = (0.06, 0.03, 0.015)
+STEP_LENGTHS = (0.06, 0.03, 0.015)
 """Lengths of the steps by which they are brought to rest, over the diameter."""
 
 LEAST_MEASURED = 0.1
@@ -152,7 +152,7 @@ def _view_of(scan: Scan, cell: Cell, part: Part, T_world_part: pin.SE3) -> _View
     if depth_map is None:
         return None
     depth_map = replace(depth_map, pitch=distance / depth_map.camera.focal)
-    tolerance = max(TOLERANCE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
+    tolerance = max(EXPLAINED_SHARE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
     spread = max(SPREAD_OVER_NOISE * noise, LEAST_SPREAD * tolerance)
     return _View(scan, depth_map, surface, tolerance, spread)
 
@@ -173,7 +173,7 @@ def _fit(view: _View, believed: Floats) -> Floats:
     tried = np.concatenate([believed[None], fitted[np.isfinite(errors)], begun])
     seen = closeness(tally(depth_map, surface, tried, 2 * tolerance))
     best = tried[np.argsort(-seen, kind="stable")[:FOLLOWED]]
-    steps = tuple(step * surface.diameter for step in STEPS)
+    steps = tuple(step * surface.diameter for step in STEP_LENGTHS)
     rested = refine_poses(depth_map, surface, best, 2 * tolerance, steps)
     rested = refine_at_full_resolution(depth_map, surface, rested, tolerance)
     return rested[int(np.argmax(closeness(tally(depth_map, surface, rested, tolerance))))]
@@ -207,14 +207,14 @@ def _likeness(view: _View, sighting: Sighting) -> float:
     nothing = np.zeros(view.depth_map.depth.size, np.bool_)
     ratio = log_likelihood_ratio(sighting, nothing, view.spread, view.tolerance, is_all_known=False)
     ahead = sighting.ahead[~np.isnan(sighting.ahead)]
-    close = np.count_nonzero((ahead > view.tolerance) & (ahead <= CLOSE * view.tolerance))
+    close = np.count_nonzero((ahead > view.tolerance) & (ahead <= CLOSE_IN_FRONT * view.tolerance))
     odd = np.count_nonzero(ahead <= view.tolerance)
     return ratio - float(CLOSE_AHEAD * close + ODD * odd) / len(sighting.explained)
 
 
 def _far_ahead(view: _View, sighting: Sighting) -> int:
     """Pixels in which something far in front hides the part, or nothing is measured."""
-    return int(np.count_nonzero(~(sighting.ahead <= CLOSE * view.tolerance)))
+    return int(np.count_nonzero(~(sighting.ahead <= CLOSE_IN_FRONT * view.tolerance)))
 
 
 def _nearest_alike(surface: PartSurface, pose: Floats, believed: Floats) -> Floats:
