@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from patient import running
 from waiting import lasting
@@ -18,8 +19,9 @@ from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.plans.plan_files import read_plan
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Finger, Tool
 from workbench.model.errors import LinkError
+from workbench.model.geometry import Box, Solid
 from workbench.model.plan import Plan
 from workbench.model.release import Approval
 from workbench.model.tools.slots import with_mounted
@@ -116,3 +118,61 @@ def test_no_other_link_couples_tools(cell: Cell) -> None:
         if name != "abb-socket/2":
             assert "couples no tools" in str(misfit(plan, there)), name
     assert misfit(plan, cell) is None
+
+
+def with_gripper(cell: Cell) -> Cell:
+    """The cell whose second tool is a gripper with two fingers."""
+    (arm,) = cell.arms
+    mount = arm.tools[1].body[0]
+    fingers = tuple(
+        Finger(
+            Solid(
+                f"finger_{side:+d}",
+                Box(np.array([0.02, 0.01, 0.06])),
+                pin.SE3(np.eye(3), np.array([0.0, side * 0.006, 0.06])),
+            ),
+            np.array([0.0, float(side), 0.0]),
+        )
+        for side in (1, -1)
+    )
+    T_tcp = pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.09]))
+    gripper = Tool("gripper", T_tcp, (mount,), fingers, (0.0, 0.02), mass=0.6)
+    slots = (arm.tool_slots[0], replace(arm.tool_slots[1], tool="gripper"))
+    tools = (arm.tools[0], gripper)
+    return replace(cell, arms=(replace(arm, tools=tools, tool_slots=slots),))
+
+
+def test_a_gripper_is_taken_opened_and_put_down_again(cell: Cell) -> None:
+    with served(with_gripper(cell)) as (controller, there):
+        for tool, opening in (("gripper", 0.02), ("suction_cup", 0.0)):
+            plan, approval = approved(there, tool)
+            list(send(plan, approval, there))
+            assert controller.tools == {"right": tool}
+            assert controller.state()["openings"]["right"] == pytest.approx(opening)
+            there = with_mounted(there, "right", tool)
+
+
+def test_fingers_that_would_open_into_the_rack_are_not_proven(cell: Cell) -> None:
+    gripping = with_gripper(cell)
+    (arm,) = gripping.arms
+    wide = replace(arm.tools[1], stroke=(0.0, 0.06))
+    # Its fingers hang between the bars, which are 30 mm apart.
+    low = tuple(
+        replace(
+            finger,
+            solid=replace(
+                finger.solid,
+                T_owner_shape=pin.SE3(pin.rpy.rpyToMatrix(0, 0, np.pi / 2), np.zeros(3))
+                * finger.solid.T_owner_shape,
+            ),
+            direction=np.array([-finger.direction[1], 0.0, 0.0]),
+        )
+        for finger in wide.fingers
+    )
+    wide = replace(wide, fingers=low)
+    other = replace(gripping, arms=(replace(arm, tools=(arm.tools[0], wide)),))
+    result = plan_tool_change(other, "right", "gripper")
+    said = str(result.verdict)
+    if result.proof is not None:
+        said += " ".join(map(str, result.proof.violations))
+    assert "finger_" in said and (result.proof is None or not result.proof.holds), said

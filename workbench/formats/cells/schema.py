@@ -124,7 +124,7 @@ DEPENDS = frozenset(
     ("scanner.on_arm.view.joints_deg",)
     + ("arm[].axes", "arm[].signs", "arm[].tools", "arm[].controller_id", "arm[].jerk_deg")
     + ("arm[].moving_mass_kg", "policy.contact_energy_j")
-    + ("arm[].axis_coupling", "arm[].axis_offsets")
+    + ("arm[].axis_coupling", "arm[].axis_offsets", "arm[].tool_slot[].leave")
     + ("controller.state_port", "policy.least_air_mm", "policy.lifts", "policy.pair_gap_mm")
     + ("tool[].force_n", "tool[].mass_g", "tool[].centre_of_gravity_mm", "tool[].inertia_kgm2")
     + ("scanner.calibration.sure_mm", "scanner.calibration.sure_deg")

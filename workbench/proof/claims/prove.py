@@ -75,7 +75,8 @@ def prove(
     if not violations:
         stretches = [(at_stated_tcps(each, part), part) for each, part in by_stretches(cell, plan)]
         found = [_claims(each, scene, part, resolution, stated) for each, part in stretches]
-        violations += [f for arm in plan.arms for f in load_violations(cell, plan, arm)]
+        begins = stretches[0][0]
+        violations += [f for arm in plan.arms for f in load_violations(begins, plan, arm)]
         violations += [violation for claims in found for violation in claims.violations]
     nearest = min((claims.walked for claims in found), key=lambda w: w.clearance, default=None)
     return Proof(
