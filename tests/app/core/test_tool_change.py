@@ -16,8 +16,10 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import StartJob, UseCell
+from workbench.app.core.session import Opened, Started
 from workbench.app.core.state import Phase
 from workbench.app.empty_hand.tool_change import plan_tool_change
+from workbench.app.provenance.inventory import Inventory
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.model.cell import Cell
@@ -79,7 +81,7 @@ def test_after_a_fault_nothing_is_planned_until_a_person_states_the_tool(cell, r
     assert state.phase is Phase.FAULT and state.tools_unknown == ("right",)
     line.do(AcknowledgeFault())
     for command in (PlanToolChange("wide_cup"), PlanView(), MakePlan(), PlanStir(), GoOn()):
-        assert "nobody knows which tool the right arm carries" in refused(line, command)
+        assert "nobody has stated which tool the right arm carries" in refused(line, command)
     line.do(TakeScan())
     line.ended(Samples(cell).scan())
     state = line.do(StateTool("right", "suction_cup"))
@@ -140,3 +142,21 @@ def test_a_plan_that_does_not_hold_is_shown_and_not_approved(cell, result):
     plan = line.state.plan
     assert plan is not None
     assert refused(line, Approve(plan.digest))
+
+
+STARTED = Started(Inventory("1", "f", "3.11", "any", "Linux", (), "c", "d", {}, "", {}))
+
+
+@pytest.mark.parametrize("command", [STARTED, Opened()])
+def test_after_a_start_at_a_real_robot_a_person_states_what_it_carries(cell, command):
+    real = replace(cell, controller=replace(cell.controller, host="192.168.125.1"))
+    line = Line(real)
+    state = line.do(command)
+    assert state.tools_unknown == ("right",)
+    assert "nobody has stated which tool the right arm carries" in refused(
+        line, PlanToolChange("wide_cup")
+    )
+    line.do(StateTool("right", cell.arm("right").tool.name))
+    line.do(PlanToolChange("wide_cup"))
+    simulated = Line(cell)
+    assert not simulated.do(command).tools_unknown

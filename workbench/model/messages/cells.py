@@ -174,9 +174,7 @@ class SlotText(Text, subject="slot"):
     NO_SLOT = "{tool} of the {arm} arm has no slot: state it in the cell file, arm.tool_slot"
     NO_LINK = "robot link {link} couples no tools: change the tool by hand"
     CHANGING = "the {arm} arm changes its tool: wait for the end"
-    UNKNOWN = (
-        "after a fault nobody knows which tool the {arm} arm carries: state it in the tab Cell"
-    )
+    UNKNOWN = "nobody has stated which tool the {arm} arm carries: state it in the tab Cell"
 
 
 class InventoryText(Text, subject="inventory"):
