@@ -9,6 +9,7 @@ from assembling import insertion, standing_spacer, turn
 
 from workbench.app.picking.proving import prove
 from workbench.app.runtime.work import plan as plan_job
+from workbench.app.standing.seen_again import as_scan_shows
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.plans.plan_files import read_plan, write_plan
@@ -153,6 +154,14 @@ def test_nothing_comes_onto_a_bolt_without_a_scan(scan):
     for asked in ({"scan": None}, {"scan": scan, "scan_digest": "poses from outside"}):
         found = plan_in(**asked)
         assert found.verdict.note == SeenBaseText.NO_SCAN(base="bolt")
+
+
+def test_a_plan_for_poses_keeps_a_bolt_that_no_scan_was_asked_for(scan):
+    box = base_of(plan_in(None))
+    assert box.seen is not None and box.seen.problem is SightProblem.NO_SCAN
+    assert as_scan_shows(CELL, scan, (box,)) == (box,)
+    (moved,) = as_scan_shows(CELL, scan, (replace(box, seen=None),))
+    assert moved.seen is not None and moved.seen.problem is None
 
 
 def test_what_came_after_the_scan_has_to_be_in_the_next(scan):
