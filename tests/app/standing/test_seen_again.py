@@ -7,8 +7,11 @@ import pinocchio as pin
 import pytest
 from assembling import insertion, standing_spacer, turn
 
+from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.proving import prove
+from workbench.app.picking.row import plan_row
 from workbench.app.runtime.work import plan as plan_job
+from workbench.app.standing.seen_again import as_scan_shows, with_sight
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.plans.plan_files import read_plan, write_plan
@@ -20,6 +23,7 @@ from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.cells import SeenBaseText
 from workbench.model.messages.proofs import ProofText
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import PlanResult
 from workbench.model.recipes.joint import PlacingError
 from workbench.model.recipes.seen_base import SightProblem
@@ -27,6 +31,7 @@ from workbench.model.scan import Detection, Scan
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.placing.assembling import base_errors
 from workbench.planning.placing.budget import budget_of
+from workbench.planning.placing.mating import mating_chance
 from workbench.plugins.progress import never, silent
 
 CELL = with_recipe(read_cell(find("robots", "yumi") / "assembly.toml"), 2)
@@ -155,11 +160,29 @@ def test_nothing_comes_onto_a_bolt_without_a_scan(scan):
         assert found.verdict.note == SeenBaseText.NO_SCAN(base="bolt")
 
 
+def test_a_plan_for_poses_keeps_a_bolt_that_no_scan_was_asked_for(scan):
+    box = base_of(plan_in(None))
+    assert box.seen is not None and box.seen.problem is SightProblem.NO_SCAN
+    assert as_scan_shows(CELL, scan, (box,)) == (box,)
+    (moved,) = as_scan_shows(CELL, scan, (replace(box, seen=None),))
+    assert moved.seen is not None and moved.seen.problem is None
+
+
+def test_a_bolt_that_has_its_spacer_is_not_searched_again(scan):
+    spacer = Detection("spacer", BELIEVED * insertion(CELL).T_base_part)
+    boxes = boxes_around(CELL, (*PLACED, spacer))
+    assert [box.part for box in boxes] == ["bolt", "spacer"]
+    assert [box.seen for box in with_sight(CELL, scan, boxes)] == [None, None]
+    assert with_sight(CELL, scan, boxes[:1])[0].seen is not None
+
+
+def test_a_bolt_that_may_be_missing_is_no_base_whatever_the_scan_shows(scan):
+    doubtful = (replace(PLACED[0], score=0.0),)
+    assert plan_in(scan, placed=doubtful).verdict.note == VerdictNote.NO_BASE(base="bolt")
+
+
 def test_what_came_after_the_scan_has_to_be_in_the_next(scan):
     # The second plan of a row has its bolt from the first.
-    from workbench.app.picking.pallets import boxes_around
-    from workbench.app.picking.row import plan_row
-
     result = plan_row(CELL, (SPACER,), scan.digest, obstacles=boxes_around(CELL, PLACED))
     assert result.verdict.note == SeenBaseText.PUT_SINCE(base="bolt")
 
@@ -212,8 +235,6 @@ def test_the_budget_states_what_looking_has_gained(result):
 
 
 def test_the_calibration_cancels_where_it_moves_both_alike():
-    from workbench.planning.placing.mating import mating_chance
-
     joint_to = insertion(CELL)
     shared = np.zeros((6, 6))
     shared[:3, :3] = np.eye(3)

@@ -67,7 +67,12 @@ def _seen(cell: Cell, scan: Scan | None, box: Obstacle) -> Obstacle:
 
 
 def _is_same(stated: Obstacle, seen: Obstacle) -> bool:
-    """Whether a plan states of a part what the scan shows of it."""
+    """Whether a plan states of a part what the scan shows of it.
+
+    Of a plan for poses from outside no scan is asked: it puts nothing onto the part.
+    """
+    if stated.seen is not None and stated.seen.problem is SightProblem.NO_SCAN:
+        return True
     if stated.seen is None or seen.seen is None or stated.seen.problem is not seen.seen.problem:
         return False
     shift, turn = shift_and_turn(stated.T_world_box.actInv(seen.T_world_box))

@@ -59,10 +59,8 @@ def explain(typed: arguments.Explain) -> int:
             obstacles=obstacles,
             report=lambda done, note: report(0.9 + 0.1 * done, note),
         )
-    candidates, bases = (
-        with_exactness(cell, detections, candidates),
-        base_errors(cell, placed, boxes),
-    )
+    candidates = with_exactness(cell, detections, candidates)
+    bases = base_errors(cell, placed, boxes)
     sure = [
         (
             candidate,
