@@ -29,7 +29,7 @@ def frozen(values: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:
 
 
 def sampled(rows: NDArray[N], most: int) -> NDArray[N]:
-    """Every k-th of `rows` (n, ...), with the smallest k that leaves at most `most` of them."""
+    """Every k-th of `rows` (n, ...), whatever their unit, so that at most `most` are left."""
     return rows[:: max(1, -(-len(rows) // most))]
 
 

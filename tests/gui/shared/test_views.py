@@ -357,7 +357,7 @@ def test_the_last_study_speaks_for_the_threshold_nearby(states):
     )
     assert "changed" not in said
     said = views.forecast_line(cell, Predictions("other", 53, forecasts), 0.19)
-    assert "at 200 mm: 0% far enough apart; the cell has changed since" in said
+    assert "Study of an earlier cell, 53 simulated pairs at 200 mm: 0% far enough apart" in said
     assert views.forecast_line(cell, None, 0.2) == ""
 
 

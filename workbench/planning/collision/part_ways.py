@@ -33,7 +33,6 @@ CHECK_SPACING = 0.004
 ASIDE = 0.0005
 """[m] An arm's way, straight between waypoints of its joints, is so far from the straight line."""
 
-
 WAY_START = 0.003
 """[m] So much of a way states whether it leads away from what the part lies against.
 
