@@ -25,7 +25,7 @@ from workbench.model.scan import Detection
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.proof.claims import prove as layer
 from workbench.proof.claims.motion import sweep_path
-from workbench.proof.claims.scene import bodies_of
+from workbench.proof.claims.scene import scene_bodies
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS, find_carried, situation_of, steps_of
 from workbench.proof.claims.table import PairTable
 from workbench.proof.claims.timing.fastest import fastest
@@ -188,7 +188,7 @@ def fingers(cell: Cell, plan: Plan, proof: Proof) -> None:
     """The hand at a part, from its side: fingers open, closed, and all between."""
     one = plan.arms[0]
     arm, tree = cell.arm(one.arm), tree_of(cell)
-    bodies = bodies_of(cell, tree, plan.scene)
+    bodies = scene_bodies(cell, tree, plan.scene)
     space = Space(tree, bodies, PairTable(cell, tree, bodies))
     step = next(s for s in steps_of(cell, tree, plan) if s.moving[0].leg.name == "approach")
     leg, after = step.moving[0].leg, step.moving[0].fingers_after
@@ -322,7 +322,7 @@ def pace(cell: Cell, plan: Plan, proof: Proof) -> None:
 def _sampled(cell: Cell, plan: Plan, runs: tuple[Run, ...], most: float) -> list[Floats]:
     """Distances of what moves from all else, up to `most` [mm], on free legs: (n, 2) [s, mm]."""
     tree = tree_of(cell)
-    bodies = bodies_of(cell, tree, plan.scene)
+    bodies = scene_bodies(cell, tree, plan.scene)
     table = PairTable(cell, tree, bodies)
     space = Space(tree, bodies, table)
     found: list[Floats] = []

@@ -206,8 +206,8 @@ class ScannerMount:
 class Controller:
     """Address of the robot controller, and how it is spoken to and moves.
 
-    Motion goes through `port`; a controller that reports its state does so on `state_port`.
-    `motion` names the robot link (`plugins.robot_link`), whose own keys are `options`.
+    Motion goes through `port`, reports come on `state_port`; `options` are keys of the robot link
+    that `motion` names.  `is_simulated`: this workbench has started it.
     """
 
     host: str
@@ -215,6 +215,7 @@ class Controller:
     state_port: int
     motion: MotionModel
     options: Mapping[str, Option] = field(default_factory=dict[str, Option])
+    is_simulated: bool = field(default_factory=bool, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, options=dict(self.options))
@@ -307,9 +308,8 @@ class PlanOverrides:
 class Cell(FactsRepr):
     """Everything that a plan depends on besides the scan: one digest covers it all.
 
-    Neither the controller's address nor `approvers` is in the digest: where a plan is sent, and
-    how many different people have to approve it, change nothing in it.  `recipe`: by which of
-    `recipes` it is made (`derived.by_recipe`), 0 for none; `bin`: `derived.by_bin`.
+    Neither controller nor `approvers` (how many have to approve) is in it: no plan depends on them.
+    `recipe`: which of `recipes` it is by (`derived.by_recipe`), 0: none; `bin`: `derived.by_bin`.
     """
 
     name: str

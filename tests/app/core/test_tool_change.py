@@ -6,7 +6,7 @@ import pytest
 from line import Line, refused
 from samples import Samples
 
-from workbench.app.core.cell.changes import ChangeCell, StateTool, UndoCell
+from workbench.app.core.cell.changes import CellRead, ChangeCell, StateTool, UndoCell
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.empty_hand import PlanStir, PlanToolChange, PlanView
@@ -100,13 +100,36 @@ def test_the_statement_of_another_tool_changes_the_cell(cell, result):
     assert "already" in refused(line, StateTool("right", "wide_cup"))
 
 
-def test_another_change_of_the_cell_states_no_tool_but_one_of_the_tool_does(cell, result):
+def test_another_change_of_the_cell_states_no_tool(cell, result):
     line = sending(cell, result)
     line.do(LinkEnded(fault="the robot has stopped"))
     line.do(AcknowledgeFault())
     other = replace(cell, policy=replace(cell.policy, margin=0.012))
     assert line.do(ChangeCell(other, "margin")).tools_unknown == ("right",)
-    assert line.do(ChangeCell(with_mounted(other, "right", "wide_cup"), "tool")).tools_unknown == ()
+    changed = ChangeCell(with_mounted(other, "right", "wide_cup"), "tool")
+    assert line.do(changed).tools_unknown == ("right",)
+
+
+def test_a_cell_file_that_is_read_again_takes_no_tool_off_the_arm(cell, result):
+    line = sending(cell, result)
+    line.do(LinkEnded())
+    edited = replace(cell, policy=replace(cell.policy, margin=0.012))
+    assert edited.arm("right").tool.name == "suction_cup"
+    state = line.do(CellRead(edited))
+    assert state.cell.policy.margin == 0.012
+    assert state.cell.arm("right").tool.name == "wide_cup" and not state.is_saved
+    arm = edited.arm("right")
+    without = replace(arm, tools=(arm.tool,), tool_slots=arm.tool_slots[:1])
+    state = line.do(CellRead(replace(edited, arms=(without,))))
+    assert state.tools_unknown == ("right",)
+
+
+def test_a_cell_file_that_is_read_again_states_no_tool(cell, result):
+    line = sending(cell, result)
+    line.do(LinkEnded(fault="the robot has stopped"))
+    line.do(AcknowledgeFault())
+    edited = replace(cell, policy=replace(cell.policy, margin=0.012))
+    assert line.do(CellRead(edited)).tools_unknown == ("right",)
 
 
 def test_undo_leaves_the_tool_on_the_arm(cell, result):
@@ -148,15 +171,16 @@ STARTED = Started(Inventory("1", "f", "3.11", "any", "Linux", (), "c", "d", {}, 
 
 
 @pytest.mark.parametrize("command", [STARTED, Opened()])
-def test_after_a_start_at_a_real_robot_a_person_states_what_it_carries(cell, command):
-    real = replace(cell, controller=replace(cell.controller, host="192.168.125.1"))
-    line = Line(real)
-    state = line.do(command)
-    assert state.tools_unknown == ("right",)
+def test_after_a_start_at_a_real_robot_a_person_states_what_it_carries(cell, result, command):
+    line = Line(cell)
+    assert line.do(command).tools_unknown == ("right",)
     assert "nobody has stated which tool the right arm carries" in refused(
         line, PlanToolChange("wide_cup")
     )
     line.do(StateTool("right", cell.arm("right").tool.name))
     line.do(PlanToolChange("wide_cup"))
-    simulated = Line(cell)
-    assert not simulated.do(command).tools_unknown
+    simulated = replace(cell, controller=replace(cell.controller, is_simulated=True))
+    assert not Line(simulated).do(command).tools_unknown
+    line = sending(simulated, result)
+    line.do(LinkEnded(fault="the robot has stopped"))
+    assert line.do(command).tools_unknown == ("right",), "what was unknown stays so"

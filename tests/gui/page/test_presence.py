@@ -87,6 +87,9 @@ def test_whoever_was_in_control_before_the_workbench_began_again_has_a_while_to_
     ("me", "words"), [("Bob", "You are in control."), ("Ada", "Bob is in control.")]
 )
 def test_who_is_in_control_is_said_to_each_in_their_words(bench, me, words):
-    assert str(control_message(bench.state, me)) == "Nobody has taken control; all may act."
+    assert (
+        str(control_message(bench.state, me))
+        == "Nobody has taken control; operators and engineers may act."
+    )
     bench.do(TakeControl(), "Bob", Role.OPERATOR)
     assert str(control_message(bench.state, me)) == words

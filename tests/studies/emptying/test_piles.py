@@ -94,7 +94,7 @@ def test_a_pile_that_failed_picks_have_ended_says_so(monkeypatch):
         return [arm.detection for arm in plan.arms], ()
 
     monkeypatch.setattr(empty, "_carry_out", missed)
-    monkeypatch.setattr(empty, "_left_alone", lambda detections, failed: {})
+    monkeypatch.setattr(empty, "left_alone", lambda detections, failed: {})
     scene = empty_pile(PILE)
     assert {left.kind for left in scene.left} >= {"stopped"}
     assert not {left.kind for left in scene.left} & {"not found", "no path"}

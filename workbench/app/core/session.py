@@ -18,13 +18,11 @@ from workbench.app.core.rights import changes_said
 from workbench.app.core.state import Phase, State, without_approval
 from workbench.app.core.value_checks import check_text
 from workbench.app.provenance.inventory import Inventory
-from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
-from workbench.plugins.addresses import is_loopback
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,7 +123,7 @@ def apply_start(state: State, start: Started) -> State:
     changed = tuple(dict.fromkeys((*state.changed, *start.changes)))
     since = state.changed_since or start.since
     after = replace(state, ran=start.ran, changed=changed, changed_since=since if changed else "")
-    after = replace(after, tools_unknown=_changing_arms(state.cell))
+    after = replace(after, tools_unknown=_unstated(state))
     return replace(after, message=changes_said(after)) if start.changes else after
 
 
@@ -138,17 +136,19 @@ def opened_again(state: State) -> State:
     if had and state.phase in (Phase.PLANNED, Phase.APPROVED):
         message = StateText.OPENED_AGAIN()
     state = replace(without_approval(state), unapproved_by="", earlier=None, may_have_moved=None)
-    state = replace(state, tools_unknown=_changing_arms(state.cell))
+    state = replace(state, tools_unknown=_unstated(state))
     return replace(state, watched=(), watched_elsewhere=(), message=message)
 
 
-def _changing_arms(cell: Cell) -> tuple[str, ...]:
-    """The arms that change tools by themselves: after a start nobody knows which they carry.
+def _unstated(state: State) -> tuple[str, ...]:
+    """The arms of which nobody knows after a start which tool they carry: those with slots.
 
-    A simulated robot begins with what the cell file states.
+    A robot that is simulated from this start on begins with what the cell file states.
     """
-    is_simulated = is_loopback(cell.controller.host)
-    return tuple(arm.name for arm in cell.arms if arm.tool_slots and not is_simulated)
+    if state.cell.controller.is_simulated:
+        return state.tools_unknown
+    changing = (arm.name for arm in state.cell.arms if arm.tool_slots)
+    return tuple(dict.fromkeys((*state.tools_unknown, *changing)))
 
 
 def changes_problem(state: State, ran: str) -> Message | None:

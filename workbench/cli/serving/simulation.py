@@ -63,7 +63,11 @@ def _at(controller: Controller, line: bytes) -> Controller:
     try:
         ports = json.loads(line)
         return replace(
-            controller, host=ports["host"], port=ports["port"], state_port=ports["state_port"]
+            controller,
+            host=ports["host"],
+            port=ports["port"],
+            state_port=ports["state_port"],
+            is_simulated=True,
         )
     except (ValueError, KeyError) as error:
         raise LinkError(

@@ -17,7 +17,6 @@ from workbench.model.messages.plans import cycle_words, guarantee_message, strat
 from workbench.model.motion import MotionModel
 from workbench.model.plan import Guarantee, Plan
 from workbench.model.release import manner_words
-from workbench.plugins.addresses import is_loopback
 from workbench.proof.claims.clearance import bounds_message
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -107,7 +106,7 @@ def facts_html(
         seconds = sum(proven_plan.plan.cycle_seconds for proven_plan in row)
         cycle = ApprovalText.ALL_SECONDS(cycle=seconds)
     host, port = cell.controller.host, cell.controller.port
-    moves = ApprovalText.SIMULATED if is_loopback(host) else ApprovalText.REAL
+    moves = ApprovalText.SIMULATED if cell.controller.is_simulated else ApprovalText.REAL
     facts: list[Fact] = [
         ("Controller", moves(address=LabelText.ADDRESS(host=host, port=port))),
         *(_plans(state) if len(row) > 1 else _plan(cell, plan)),

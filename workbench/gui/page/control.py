@@ -90,7 +90,7 @@ class ControlStrip:
 def control_message(state: State, me: str) -> Message | str:
     """Who is in control, as the person of that name reads it."""
     if not state.control:
-        return "Nobody has taken control; all may act."
+        return "Nobody has taken control; operators and engineers may act."
     if state.control == me:
         if state.asking:
             return PageText.IN_CONTROL_ASKED(person=state.asking[0])

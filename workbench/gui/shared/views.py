@@ -31,7 +31,6 @@ from workbench.model.plan import Plan, Proof
 from workbench.model.prediction import Predictions
 from workbench.model.release import PickResult
 from workbench.perception.bins.fill_level import parts_in_words
-from workbench.plugins.addresses import is_loopback
 from workbench.proof.claims.clearance import bounds_message
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -170,7 +169,7 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
         return _box("busy", "", f"{seconds:.1f} s", title=sentence(note))
     match state.phase:
         case Phase.FAULT:
-            is_simulated = is_loopback(state.cell.controller.host)
+            is_simulated = state.cell.controller.is_simulated
             then = AFTER_SIMULATED_FAULT if is_simulated else AFTER_FAULT
             return _box("fault", words.render(state.fault), title="Fault:", then=then)
         case Phase.SENDING:

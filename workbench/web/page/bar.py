@@ -17,7 +17,6 @@ from workbench.app.runtime.live import Live
 from workbench.model.errors import WorkbenchError
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.work import LinkText
-from workbench.plugins.addresses import is_loopback
 from workbench.web.page.tour import tour_of
 from workbench.web.texts import BarText
 
@@ -119,7 +118,7 @@ def _robot(state: State, live: Live) -> tuple[Message | str, str]:
     if not live.robot:
         return "Robot: no report", "off"
     is_fault = live.robot.text is LinkText.FAULT
-    text = BarText.SIMULATED if is_loopback(state.cell.controller.host) else BarText.ROBOT
+    text = BarText.SIMULATED if state.cell.controller.is_simulated else BarText.ROBOT
     # While a fault is open, nothing is green.
     usual = "off" if state.phase is Phase.FAULT else "good"
     return text(state=live.robot), "bad" if is_fault else usual

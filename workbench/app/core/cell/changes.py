@@ -208,14 +208,24 @@ def changed_cell(state: State, cell: Cell, says: Message | str) -> Changed:
     """The state with another cell, which an undo can take back; `says` names the change."""
     after, effects = with_cell(state, cell, says)
     before = (EditedCell(state.cell, as_message(says)), *state.before)[:MOST_UNDO]
-    unknown = tuple(name for name in state.tools_unknown if _carries_same(state.cell, cell, name))
-    return replace(after, before=before, undone=(), tools_unknown=unknown), effects
+    return replace(after, before=before, undone=()), effects
 
 
-def _carries_same(cell: Cell, other: Cell, name: str) -> bool:
-    """Whether the arm of that name carries the same tool in two cells."""
-    carried = [{arm.name: arm.tool.name for arm in each.arms}.get(name) for each in (cell, other)]
-    return carried[0] == carried[1]
+def _as_carried(known: Cell, read: Cell) -> tuple[Cell, tuple[str, ...]]:
+    """A cell as its file has it, with the tools that arms with slots carry.
+
+    What is on an arm is no matter of the file: it was changed by a plan, or stated by a person.
+    With the cell come the arms whose tool the file no longer knows.
+    """
+    lost: list[str] = []
+    carried = {arm.name: arm.tool.name for arm in known.arms if arm.tool_slots}
+    for arm in read.arms:
+        tool = carried.get(arm.name, arm.tool.name)
+        if tool in {other.name for other in arm.tools}:
+            read = with_mounted(read, arm.name, tool)
+        elif tool != arm.tool.name:
+            lost.append(arm.name)
+    return read, tuple(lost)
 
 
 def with_carried(state: State, arm: str, tool: str, says: Message) -> Changed:
@@ -290,6 +300,8 @@ def _read(state: State, command: CellRead) -> Changed:
         message = StateText.CELL_REFUSED(problem=plain(problem))
         return replace(state, cell_problem=problem, message=message), ()
     state = replace(state, cell_problem="", saved=cell.digest)
+    cell, lost = _as_carried(state.cell, cell)
+    state = replace(state, tools_unknown=tuple(dict.fromkeys((*state.tools_unknown, *lost))))
     if cell.approvers != state.cell.approvers:
         # Words that were given for another number of people do not count.
         kept = replace(state.cell, approvers=cell.approvers)
