@@ -308,7 +308,7 @@ class PlanOverrides:
 class Cell(FactsRepr):
     """Everything that a plan depends on besides the scan: one digest covers it all.
 
-    Neither controller nor `approvers` (how many have to approve) is in it: no plan depends on them.
+    Neither the controller's address nor `approvers` (how many have to approve) is in it.
     `recipe`: which of `recipes` it is by (`derived.by_recipe`), 0: none; `bin`: `derived.by_bin`.
     """
 
