@@ -218,15 +218,18 @@ def test_bytes_that_come_late_twice_or_never_change_nothing(planned):
     there = elsewhere(cell)
     with spoiled(there.controller.port, 3, often=1e-3) as (port, counts):
         robot = Program(there, port)
-        for number in range(5):
+        # What is spoiled depends on how bytes come together: on until each kind has happened.
+        for number in range(60):
             sent = Sent(there, plan, another(approval, number))
             robot.cycle()
             receipts, error = sent.ended()
             assert error is None
             heard = [r.heard for r in receipts]
             assert len(heard) == len(set(heard)) and receipts[-1].done == receipts[-1].total
+            if number >= 4 and min(counts.values()) > 0:
+                break
         robot.close()
-    assert len(set(robot.plans)) == 5 and min(counts.values()) > 0, counts
+    assert len(set(robot.plans)) == number + 1 and min(counts.values()) > 0, counts
 
 
 def test_a_server_is_there_for_its_next_user_whenever_the_one_before_last_had_ended(
