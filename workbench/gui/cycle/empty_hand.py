@@ -61,7 +61,6 @@ class ToolButton:
         )
         self._button = visitor.gui.add_button(
             "Change tool",
-            icon=viser.Icon.TOOL,
             color="gray",
             visible=False,
             hint="Plans how the arm puts down its tool and takes the other one; then a person "
