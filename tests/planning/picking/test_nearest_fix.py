@@ -94,7 +94,7 @@ def test_a_bin_that_is_out_of_reach_is_said_to_be_moved_and_by_how_much(cell, de
 
 def test_where_no_other_grasp_helps_the_margin_is_named(cell, detections, monkeypatch):
     """With a margin of 9 mm to the floor, which its fingers do not have."""
-    for name in ("TURNS", "BACK_OFFS", "SLIDES", "OPENINGS"):
+    for name in ("TURNS_TRIED", "BACK_OFFS", "SLIDES", "OPENINGS"):
         monkeypatch.setattr(f"workbench.planning.picking.nearest_fix.{name}", ())
     wide = replace(cell, policy=replace(cell.policy, near_margin=0.009, as_needed=False))
     candidates = judge(wide, detections)
