@@ -14,15 +14,16 @@ from waiting import lasting
 
 from workbench.app.core.cycle.approval import approve
 from workbench.app.empty_hand.tool_change import plan_tool_change
+from workbench.app.picking.row import prove_row
 from workbench.cli.main import main
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.plans.plan_files import read_plan
 from workbench.model.cell import Cell, Finger, Tool
-from workbench.model.errors import LinkError
+from workbench.model.errors import CommandRefused, LinkError
 from workbench.model.geometry import Box, Solid
-from workbench.model.plan import Plan
+from workbench.model.plan import Plan, Proven
 from workbench.model.release import Approval
 from workbench.model.tools.slots import with_mounted
 from workbench.planning.empty_hand.tool_change import slot_problem
@@ -95,6 +96,34 @@ def test_the_robot_carries_the_new_tool_and_then_the_old_one_again(cell: Cell) -
             there = with_mounted(there, "right", tool)
         q = np.asarray(controller.state()["joints"]["right"])
     assert np.abs(q - cell.arms[0].home).max() < np.deg2rad(0.01)
+
+
+def test_the_command_that_sends_a_change_states_what_the_cell_file_needs(tmp_path, capsys) -> None:
+    cell, out = read_cell(CELL), tmp_path / "change.json"
+    assert main(["plan", str(CELL), "--tool", "wide_cup", "--out", str(out)]) == 0
+    digest = read_plan(out)[0].digest
+    words = ["--approve-as", "Ada", "--record", str(tmp_path / "record")]
+    with served(cell) as (controller, _):
+        there = ["--port", str(controller.port), "--state-port", str(controller.state_port)]
+        words = ["--cell", str(CELL), "--host", "127.0.0.1", *there, *words]
+        capsys.readouterr()
+        assert main(["send", str(out), *words]) == 2  # here are no keys to type the digest
+        assert main(["send", str(out), *words, "--digest", digest]) == 0
+        printed = capsys.readouterr().out
+        assert 'before the next plan, state tool = "wide_cup" in the cell file' in printed
+        assert controller.tools == {"right": "wide_cup"}
+
+
+def test_a_change_of_tool_is_no_plan_of_a_row(cell: Cell) -> None:
+    """The second drives with another tool than the cell of the proof says."""
+    result = plan_tool_change(cell, "right", "wide_cup")
+    assert result.plan is not None and result.proof is not None
+    again = Proven(result.plan, result.proof)
+    with pytest.raises(CommandRefused, match="plan 1 of the row changes a tool"):
+        prove_row(cell, (result.plan, result.plan))
+    with pytest.raises(CommandRefused, match="plan 1 of the row changes a tool"):
+        approve(cell, result.plan, result.proof, "ada", 0.0, row=(again,))
+    assert len(prove_row(cell, (result.plan,))) == 1
 
 
 def test_a_controller_couples_nothing_away_from_a_slot(cell: Cell) -> None:

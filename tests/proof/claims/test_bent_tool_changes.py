@@ -283,7 +283,8 @@ def carried_at(cell: Cell, arm: Arm, tool: Tool | None, q: Floats) -> Iterator[P
     for link in cell.robot.links:
         if link.name not in (cell.robot.root, cell.robot.joints[0].child, "base_link"):
             for solid in link.collision:
-                yield "arm", solid, poses[link.name]
+                is_flange = link.name == arm.flange
+                yield "flange" if is_flange else "arm", solid, poses[link.name]
     for solid in () if tool is None else tool.body:
         yield "tool", solid, poses[arm.flange]
 
@@ -334,8 +335,10 @@ def near_things(
     if at is not None:
         there = enumerate(carried_at(cell, arm, carries, at))
         for (i, a), (j, b) in product(there, enumerate(still)):
-            if b[0] in touches:
+            if b[0] in touches and a[0] in ("tool", "flange"):
                 d = away(a, b)
+                if d < -SLACK - 0.00001:
+                    yield f"{leg.name}: {a[1].name} is {d * 1000:.1f} mm in {b[1].name} at the slot"
                 floors[i, j] = d - SLACK if d <= 1e-6 else max(d - SLACK, d / 2)
     for before, after in pairwise(leg.q):
         count = max(int(np.ceil(np.abs(after - before).max() / STEP)), 1)

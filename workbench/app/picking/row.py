@@ -11,7 +11,7 @@ from workbench.app.picking.regrasp import plan_regrasp
 from workbench.app.picking.stations import put_down
 from workbench.model.cell import MOST_PICKS, Cell
 from workbench.model.derived.policies import picks_problem
-from workbench.model.derived.row_parts import renumber
+from workbench.model.derived.row_parts import renumber, tool_change_in_row
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import PlanNote, RowEnd, strategy_message
@@ -114,8 +114,11 @@ def prove_row(
         scan: in which they were found; see there.
 
     Raises:
-        CommandRefused: a part that stays may have moved by the time a plan begins.
+        CommandRefused: a part that stays may have moved by the time a plan begins, or one of
+            several plans changes a tool.
     """
+    if problem := tool_change_in_row(plans):
+        raise CommandRefused(problem)
     found = [Proven(plans[0], prove(cell, plans[0], detections=detections, scan=scan))]
     for number, (before, plan) in enumerate(pairwise(plans), 2):
         if not found[-1].proof.holds:

@@ -248,6 +248,11 @@ def _send(
             f"and sent in {seconds:.1f} s"
         )
         print(f"messages by {protocol}: {counts}; the controller has ended the last motion")
+        for arm in plan.arms if plan.is_tool_plan else ():
+            print(
+                f"{arm.arm} arm: carries {arm.tool} now: before the next plan, state "
+                f'tool = "{arm.tool}" in the cell file'
+            )
         for part in parts:
             print(f"arm {part.arm}: {'picked' if part.is_picked else f'failed, {part.why}'}")
     form = {"digest": plan.digest, "approved_by": approval.actor}

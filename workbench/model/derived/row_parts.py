@@ -1,10 +1,11 @@
-"""Which parts plans of a row take, by their numbers in the first plan."""
+"""Plans in a row: the parts they take, by their numbers in the first, and what is no row."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from workbench.model.messages.message import FoundPart, Message, found_part
+from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.plan import Plan
 from workbench.model.scan import Detection
 
@@ -43,6 +44,15 @@ def label_in(label: str, first: Plan, detections: Sequence[Detection]) -> str:
     if isinstance(part, str):
         return label
     return str(FoundPart(_index_in(first, detections, part.index)))
+
+
+def tool_change_in_row(plans: Sequence[Plan]) -> Message | None:
+    """Why plans are no row, as one of several changes a tool; None when none does.
+
+    Plans after it need the cell with the other tool.
+    """
+    changes = [number for number, plan in enumerate(plans, 1) if plan.is_tool_plan]
+    return ChangeRefusal.TOOL_ROW(number=changes[0]) if changes and len(plans) > 1 else None
 
 
 def _index_in(first: Plan, detections: Sequence[Detection], index: int) -> int:

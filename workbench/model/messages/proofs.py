@@ -57,6 +57,7 @@ class ProofText(Text, subject="proof"):
     SAME_TOOL = "the arm carries tool {tool} already"
     NO_SLOT = "tool {tool} of the arm has no slot"
     NOT_AT_SLOT = "is {off:mm} from the slot of {tool} where the tool is coupled or uncoupled"
+    DEEP_IN_SLOT = "in the slot, contacts may be {most:mm} deep"
     OTHER_LEAVE = "does not go as the slot of {tool} states"
     STIR_OPENING = "the hand stirs with its fingers {opening:mm} open"
     BIN_LEFT_OUT = "the plan does not keep clear of the whole bin, which no scan shows"

@@ -199,6 +199,7 @@ class ChangeRefusal(Text, subject="cell-change"):
         "plan {number} of the row cannot follow plan {before}, since nobody knows how the parts "
         "lie then: {why}"
     )
+    TOOL_ROW = "plan {number} of the row changes a tool: send it alone, then plan with the new tool"
     NO_PAIR_GAP = "the cell has no pair_gap_mm"
     NOTE_EMPTY = "the note is empty"
     MOST_GRASPS = (

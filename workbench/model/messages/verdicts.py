@@ -88,6 +88,7 @@ class VerdictNote(Text, subject="note"):
     INCLINED = "at some turn a finger meets a face inclined by {angle:deg0}"
 
     TOO_DEEP = "the part lies too deep in its support: the pose found is wrong"
+    DEEP_IN_SLOT = "in the slot, contacts may be {most:mm} deep"
     NO_CONFIGURATION = "no joint configuration found from {starts} starts"
     LINE_ENDS = "the arm can follow {share:%} of the line"
     LIFTS_TRIED = "after {way:mm0}; {lifts} lifts tried"

@@ -17,6 +17,9 @@ from workbench.planning.kinematics.robot import Kinematics
 NEARER_BY = 0.0005
 """[m] What is in touch where a lift begins may come nearer by this: the lift leans."""
 
+DEEPEST_IN_SLOT = 0.0005
+"""[m] Tool and flange may be this deep in what they touch in a slot."""
+
 TOUCHING_WITHIN = 1e-6
 """[m] Bodies farther apart than this are not in touch; what touches exactly is rounded."""
 
@@ -76,7 +79,8 @@ class Checks:
     there is its margin [m], the arms that carry its bodies in `carriers` (pairs, 2), -1 where none
     does, and in `commons` the deepest joint that carries both.  `lifts` states whether one of them
     is a part that is being lifted; `leaves` whether it is a part that has been placed and the other
-    is of the arm that now goes away from it; `placed` whether it is a placed part at all.
+    is of the arm that now goes away from it; `placed` whether it is a placed part at all; `couples`
+    whether one is of a tool, or of a link that is rigid with a flange.
     """
 
     arms: Mapping[str, int]
@@ -87,6 +91,7 @@ class Checks:
     lifts: Bools
     leaves: Bools
     placed: Bools
+    couples: Bools
 
     @property
     def own(self) -> Bools:
@@ -183,6 +188,10 @@ class Pairing:
         self._hand = np.array(
             [body.arm if body.kind == "tool" else flanges.get(body.owner, -1) for body in bodies]
         )
+        carry = {link for arm in cell.arms for link in cell.robot.rigid_with(arm.flange)}
+        at_flange = np.array([body.kind == "link" and body.owner in carry for body in bodies])
+        couples = self._tool | at_flange
+        self._couples = couples[self.first] | couples[self.second]
         parents = list(kinematics.model.parents)
         self._ancestors = np.zeros((len(parents), len(parents)), bool)
         for j in range(1, len(parents)):
@@ -254,6 +263,7 @@ class Pairing:
             lifted[a] | lifted[b],
             leaves,
             (placer[a] >= 0) | (placer[b] >= 0),
+            self._couples,
         )
 
 

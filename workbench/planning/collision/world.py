@@ -17,7 +17,7 @@ from workbench.planning.collision.bounds import close_pairs
 from workbench.planning.collision.contact import Contact, Swept
 from workbench.planning.collision.distances.cores import cores_of
 from workbench.planning.collision.distances.measuring import distance, has_pieces
-from workbench.planning.collision.pairing import LegPhase, pairing_of
+from workbench.planning.collision.pairing import DEEPEST_IN_SLOT, LegPhase, pairing_of
 from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.sweeping.edges import Edges, edges_of
@@ -74,8 +74,7 @@ class World:
         self.deadline = math.inf
         self._by_coal = by_coal
         self.surroundings = Surroundings(cell, detections, obstacles)
-        carried = bodies.carried_bodies(cell, self.kinematics)
-        self._bodies = [*carried, *self.surroundings.bodies]
+        self._bodies = [*bodies.carried_bodies(cell, self.kinematics), *self.surroundings.bodies]
         self._geometry = bodies.geometry_of(self._bodies)
         self._T_part_piece = bodies.in_their_parts(self._bodies, detections)
         self._loose = [g for g, body in enumerate(self._bodies) if body.is_loose]
@@ -221,10 +220,9 @@ class World:
         """
         if self._by_coal:
             return Swept(len(points), None, self.pairs.among if among is None else among)
-        commons = self.pairs.commons
         easy, others = self._split if among is None else self._split_of(among)
         clear, pair, middle, looks = sweep_chain(
-            points, columns, base, resolution, easy, self._margins, commons, self._model
+            points, columns, base, resolution, easy, self._margins, self.pairs.commons, self._model
         )
         self.checks += looks
         if pair < 0:
@@ -258,9 +256,8 @@ class World:
         if self._by_coal or not self._is_easy[among].all():
             return 0
         backwards, margins = np.ascontiguousarray(points[::-1]), np.maximum(self._margins, 0.0)
-        commons = self.pairs.commons
         clear, _, _, looks = sweep_chain(
-            backwards, columns, base, resolution, among, margins, commons, self._model
+            backwards, columns, base, resolution, among, margins, self.pairs.commons, self._model
         )
         self.checks += looks
         return clear
@@ -301,28 +298,31 @@ class World:
         """The pair of `among` with the least room at `q` (nq,)."""
         self._close(q, self._still, np.inf, among)
         distances = [self._distance(k) for k in among.tolist()]
-        number = int(np.argmin(np.array(distances) - self._margins[among]))
-        return self._contact_of(int(among[number]), distances[number])
+        k = int(np.argmin(np.array(distances) - self._margins[among]))
+        return self._contact_of(int(among[k]), distances[k])
 
     def allow_start_contacts(self, q: Floats, fixtures: Sequence[str] = ()) -> Contact | None:
         """Let parts that touch something where a leg begins, at `q` (nq,), come away from it.
 
-        So may an arm from what is near to it there of these `fixtures`.  See `Checks.at_start`.
+        So may tool and flange from these `fixtures` of a slot.  See `Checks.at_start`.
 
         Returns:
             Where a part in the hand is deepest in what it lies on, if that is deeper than the
-            policy's `sink`: its pose is wrong.  Of unknown rolls `PartWays.caught` says it.
+            policy's `sink`: its pose is wrong (of unknown rolls: `PartWays.caught`); or where tool
+            or flange is deepest in its slot, if that is deeper than `DEEPEST_IN_SLOT`.
         """
         pairs, _, _ = self._close(q, self._still, 0.0, None)
-        also = np.hstack([[], *(self.with_fixture(name) for name in fixtures)])
+        also = [k for name in fixtures for k in self.with_fixture(name) if self.pairs.couples[k]]
         pairs = pairs[self.pairs.may_begin_close[pairs] | np.isin(pairs, also)]
+        at_slot = np.isin(pairs, also)
         distances = np.array([self._distance(k) for k in pairs.tolist()])
         self._use(self.pairs.at_start(pairs, distances, self.policy.near_margin))
         lies = (self.pairs.carriers[pairs] < 0).any(axis=1) & ~self._is_rolled[pairs]
-        depths = np.where(self.pairs.lifts[pairs] & lies, -distances, -np.inf)
-        if not len(pairs) or depths.max() <= self.policy.sink:
+        most = np.where(at_slot, DEEPEST_IN_SLOT, self.policy.sink)
+        excess = np.where(at_slot | (self.pairs.lifts[pairs] & lies), -distances - most, -np.inf)
+        if not len(pairs) or excess.max() <= 0.0:
             return None
-        deepest = int(depths.argmax())
+        deepest = int(excess.argmax())
         return self._contact_of(int(pairs[deepest]), float(distances[deepest]))
 
     @contextmanager

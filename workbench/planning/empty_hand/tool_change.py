@@ -24,7 +24,7 @@ from workbench.model.robot import ToolSlot
 from workbench.model.scan import Scene
 from workbench.model.tools.slots import slot_of, standing_name, with_mounted
 from workbench.planning.collision.motion import path_contact
-from workbench.planning.collision.pairing import LegPhase
+from workbench.planning.collision.pairing import DEEPEST_IN_SLOT, LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.inverse import configurations, starts_of
 from workbench.planning.kinematics.straight import follow
@@ -118,7 +118,7 @@ def _legs(worlds: _Worlds, old: str, new: str, seed: int) -> tuple[Leg, ...] | V
         visits.append([visit for visit in found if isinstance(visit, _Visit)])
         if not visits[-1]:
             verdict = next(each for each in found if isinstance(each, Verdict))
-            return replace(verdict, note=VerdictNote.LEG(leg=leg_message(leg)))
+            return verdict.with_note(VerdictNote.LEG(leg=leg_message(leg)))
     home = home_of(worlds.bare, arm)
     refusal = Verdict(Reason.NO_PATH, Stage.ROUTE)
     for there, here in product(*visits):
@@ -195,7 +195,13 @@ def _visits(
             if share < 1.0:
                 break
             _enter(world, name, (name,))
-            world.allow_start_contacts(world.configuration({name: q_slot}), fixtures)
+            deep = world.allow_start_contacts(world.configuration({name: q_slot}), fixtures)
+            if deep is not None:
+                # So it is in every posture.
+                note = VerdictNote.DEEP_IN_SLOT(most=DEEPEST_IN_SLOT)
+                measured = deep.pair, deep.distance, q_slot
+                yield Verdict(Reason.IN_COLLISION, Stage.ROUTE, *measured, note)
+                return
             columns = world.kinematics.columns[name]
             met = path_contact(world, columns, world.configuration({}), path)
             if met is not None:

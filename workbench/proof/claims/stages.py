@@ -229,6 +229,13 @@ def fingers_of(tree: Tree, arm_motion: MovingArm) -> Sets:
     )
 
 
+def path_at(arm_motion: MovingArm, times: Floats) -> Floats:
+    """Where an arm is (k, n) [rad, m] at times (k,) [s] of its leg, and after it."""
+    return np.stack(
+        [np.interp(times, arm_motion.leg.t, column) for column in arm_motion.path.T], axis=1
+    )
+
+
 def _find_release(
     tree: Tree, step: MovingStep, arm_motion: MovingArm, least: float
 ) -> tuple[int, Floats]:

@@ -15,7 +15,7 @@
 | hand and the part it has let go of, until it has left it once | as at the start, less 0.5 mm |
 | tool that stirs and the boxes that stand for all parts, on the leg `stir` | is not compared |
 | the arm that stirs and the upper one of these, on that leg | is not compared |
-| arm or its tool straight at a slot, and the tool or fixture there | as at the slot, less 0.5 mm |
+| tool or flange, straight at a slot, and the tool or fixture there | as there, less 0.5 mm |
 | part that is assembled, on its last straight motion, and the one it comes onto | `clearance` |
 | everything else | `margin` |
 
@@ -49,6 +49,10 @@ TOUCH = 1e-6
 """[m] What touches may seem this far apart by rounding."""
 
 
+DEEPEST_IN_SLOT = 0.0005
+"""[m] Tool and flange may be this deep in what they touch in a slot."""
+
+
 def least_distance_allowed(begins: float) -> float:
     """The distance [m] that two bodies keep which begin a leg at a distance [m].
 
@@ -67,8 +71,8 @@ class Situation:
     on approach or extract, empty for none.  `target`: the detection that its tool is about to
     take.  `fingers_move_at`: the detection around which fingers close or open now; contacts with
     it are not compared then.  `placed_now`: the detection that is on its last straight motion to
-    its place.  `stirs`: the arm that stirs the parts.  `slot`: the fixtures that the arm may touch
-    on its straight way into the slot of a tool, or out of it.
+    its place.  `stirs`: the arm that stirs the parts.  `slot`: the fixtures that tool and flange
+    may touch on the straight way into the slot of a tool, or out of it.
     """
 
     moves: Bools
@@ -116,6 +120,9 @@ class PairTable(BodyPairs):
         self._carrier = np.array([self._arm_numbers.get(b.arm, -1) for b in bodies])
         self._kind = np.array([b.of_kind for b in bodies])
         self._fixture = np.array([b.fixture for b in bodies])
+        carry = {link for arm in cell.arms for link in cell.robot.rigid_with(arm.flange)}
+        at_flange = np.array([b.kind == "link" and b.label in carry for b in bodies])
+        self._couples = self._tool | at_flange
 
     def pairs(self, now: Situation, joints: Ints) -> Pairs:
         """The pairs of a situation, in which these joints (b,), by index, carry the bodies."""
@@ -176,9 +183,13 @@ class PairTable(BodyPairs):
         return Pairs(rows, margins, commons, beds, released, arms, shown, self._at_slot(now, a, b))
 
     def _at_slot(self, now: Situation, a: Ints, b: Ints) -> Bools:
-        """Which pairs (p,) are of what an arm carries and what it may touch at a slot."""
-        in_slot, moves = np.isin(self._fixture, sorted(now.slot)), self._carrier >= 0
-        return (in_slot[a] & moves[b]) | (in_slot[b] & moves[a])
+        """Which pairs (p,) are of tool or flange of an arm and what they may touch at a slot."""
+        in_slot, number = (
+            np.isin(self._fixture, sorted(now.slot)),
+            self._arm_numbers.get(now.near_arm),
+        )
+        couples = self._couples & (self._carrier == number)
+        return (in_slot[a] & couples[b]) | (in_slot[b] & couples[a])
 
     def _mates(self, number: int) -> tuple[Bools, float]:
         """Pairs of bodies (b, b) of a part and the one it comes onto, and what they keep [m]."""

@@ -23,13 +23,19 @@ from workbench.proof.claims.stages import (
     course_of,
     find_carried,
     fingers_of,
+    path_at,
     situation_of,
     stages_of,
     steps_of,
     waiting_fingers,
 )
 from workbench.proof.claims.stirring import bodies_of
-from workbench.proof.claims.table import PairTable, Situation, least_distance_allowed
+from workbench.proof.claims.table import (
+    DEEPEST_IN_SLOT,
+    PairTable,
+    Situation,
+    least_distance_allowed,
+)
 from workbench.proof.engine.pairs import Pairs
 from workbench.proof.engine.robot import Tree
 from workbench.proof.engine.search import SIGHT, TIGHT, Nearest, SearchGoal, SearchResult, search
@@ -155,12 +161,16 @@ class Walk:
 
     def _as_at_slot(self, step: MovingStep, arm_motion: MovingArm, pairs: Pairs) -> Pairs:
         """Pairs with what they have to keep that are nearer than usual in the slot of a tool."""
-        at = -1 if arm_motion.leg.name in INTO_SLOT else 0
+        at = len(arm_motion.path) - 1 if arm_motion.leg.name in INTO_SLOT else 0
         self._space.look(self._with(step, arm_motion, arm_motion.path[at]))
         margins = pairs.margins.copy()
         for k in np.flatnonzero(pairs.at_slot).tolist():
             distance = self._space.distance(int(pairs.rows[k]))
             margins[k] = min(margins[k], least_distance_allowed(distance))
+            if distance < -DEEPEST_IN_SLOT:
+                state = Nearest(int(pairs.rows[k]), distance, -DEEPEST_IN_SLOT, self._space.at, at)
+                problem = ProofText.DEEP_IN_SLOT(most=DEEPEST_IN_SLOT)
+                self._violations.append(self._violation(arm_motion, state, problem))
         return pairs.keeping(margins)
 
     def _pairs(self, now: Situation) -> Pairs:
@@ -181,14 +191,10 @@ class Walk:
         for k in np.flatnonzero(may_touch).tolist():
             distance = self._space.distance(int(pairs.rows[k]))
             margins[k] = min(margins[k], near, least_distance_allowed(distance))
-            if (
-                stage.comes_off
-                and distance < -sink
-                and not self._table.is_rolled(int(pairs.rows[k]))
-            ):
-                state = Nearest(int(pairs.rows[k]), distance, -sink, self._space.at, 0)
-                problem = ProofText.TOO_DEEP()
-                self._violations.append(self._violation(arm_motion, state, problem))
+            is_deep = stage.comes_off and distance < -sink
+            if is_deep and not self._table.is_rolled(row := int(pairs.rows[k])):
+                state = Nearest(row, distance, -sink, self._space.at, 0)
+                self._violations.append(self._violation(arm_motion, state, ProofText.TOO_DEEP()))
         return pairs.keeping(margins)
 
     def _cleared_at(self, step: MovingStep, arm_motion: MovingArm) -> int:
@@ -271,7 +277,7 @@ class Walk:
         pairs = pairs.keeping(np.full(len(pairs.rows), -np.inf))
         times = np.unique(np.concatenate([arm_motion.leg.t for arm_motion in step.moving]))
         columns = [self._tree.columns[arm_motion.arm.name] for arm_motion in step.moving]
-        path = np.hstack([_sample(arm_motion, times) for arm_motion in step.moving])
+        path = np.hstack([path_at(arm_motion, times) for arm_motion in step.moving])
         motion, zone = self._cell.controller.motion, self._cell.policy.zone
         way = sweep_path(np.concatenate(columns), path, motion, zone)
         asked = ((way, *waiting_fingers(self._tree, step)),)
@@ -387,10 +393,3 @@ class Walk:
         return Violation(
             problem, arm_motion.arm.name, arm_motion.leg.name, state.at, labels, state.distance, q
         )
-
-
-def _sample(arm_motion: MovingArm, times: Floats) -> Floats:
-    """Where an arm is (k, n) [rad, m] at times (k,) [s] of its leg, and after it."""
-    return np.stack(
-        [np.interp(times, arm_motion.leg.t, column) for column in arm_motion.path.T], axis=1
-    )

@@ -11,6 +11,7 @@ from workbench.app.core.people import NOBODY, fold_name, is_same_person
 from workbench.app.core.state import Phase, State, row_message
 from workbench.app.core.value_checks import check_number, check_person, named_plan
 from workbench.model.cell import Cell
+from workbench.model.derived.row_parts import tool_change_in_row
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText, NameText
@@ -86,9 +87,10 @@ def approve(
 
     Raises:
         CommandRefused: nobody is named, a proof does not hold, plan, proof and cell do not
-            belong together, or too few people have given a vote.
+            belong together, or too few people have given a vote.  Or one of a row changes a tool.
     """
     check_approvable(cell, plan, proof, actor, manner)
+    refuse(tool_change_in_row((plan, *(proven_plan.plan for proven_plan in row))))
     for proven_plan in row:
         check_approvable(cell, proven_plan.plan, proven_plan.proof, actor, manner)
         if proven_plan.plan.scan_digest != plan.scan_digest:
