@@ -163,7 +163,7 @@ def test_the_worker_finds_what_stands_around_once_and_is_told_it_afterwards(cell
         "detections": detections,
         "avoided": (),
         "obstacles": None,
-        "around": (None, detections, (box,)),
+        "around": (None, detections, (box,), "poses"),
     }
     first = JOBS["glance"](cell, asked, silent, never)
     assert len(first.obstacles) == 1, "the part that was put down"

@@ -10,29 +10,31 @@ from assembling import insertion, standing_spacer, turn
 from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.proving import prove
 from workbench.app.picking.row import plan_row
+from workbench.app.runtime.work import JOBS
 from workbench.app.runtime.work import plan as plan_job
 from workbench.app.standing.seen_again import as_scan_shows, with_sight
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.candidate import Reason
-from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.cell import Cell, Fixture, PlanOverrides
 from workbench.model.derived.assembling import assembled_pose, rest_pose
 from workbench.model.derived.by_recipe import wanted_parts, with_recipe
 from workbench.model.errors import FileError
-from workbench.model.geometry import pose_from_rpy
+from workbench.model.geometry import Box, Solid, pose_from_rpy
 from workbench.model.messages.cells import SeenBaseText
 from workbench.model.messages.proofs import ProofText
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import PlanResult
 from workbench.model.recipes.joint import PlacingError
-from workbench.model.recipes.seen_base import SightProblem
-from workbench.model.scan import Detection, Scan
+from workbench.model.recipes.seen_base import SeenBase, SightProblem
+from workbench.model.scan import Detection, Scan, Scene
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.placing.assembling import base_errors
 from workbench.planning.placing.budget import budget_of
 from workbench.planning.placing.mating import mating_chance
 from workbench.plugins.progress import never, silent
+from workbench.proof.claims.places.assembled import sight_violations
 
 CELL = with_recipe(read_cell(find("robots", "yumi") / "assembly.toml"), 2)
 T_PUT = CELL.arm("right").part_places[0].T_world_part
@@ -131,6 +133,66 @@ def test_the_proof_refuses_a_bolt_that_was_seen_in_another_scan(result):
     older = replace(plan, obstacles=(replace(box, seen=replace(box.seen, scan="0" * 64)),))
     found = [each.problem.text for each in prove(CELL, older).violations]
     assert found == [SeenBaseText.PUT_SINCE]
+
+
+def covering_scan() -> Scan:
+    """A sheet hides most of the bolt."""
+    sheet = Solid("sheet", Box(np.array([0.1, 0.1, 0.002])), pin.SE3.Identity())
+    sight = 0.2 * (CELL.scanner.T_world_scanner.translation - BELIEVED.translation)
+    above = sight + [0.05, 0.0, 0.0]
+    cover = Fixture("cover", pin.SE3(np.eye(3), BELIEVED.translation + above), (sheet,))
+    cell = replace(CELL, fixtures=(*CELL.fixtures, cover))
+    bolt = Detection("bolt", BELIEVED * pose_from_rpy((0.002, 0.001, 0.0)))
+    return synthesize(cell, (SPACER, bolt), seed=1)
+
+
+def partial_scan() -> Scan:
+    """A scan without what is measured around the bolt's place."""
+    whole = scan_with(BELIEVED)
+    is_far = np.linalg.norm(whole.points_world - BELIEVED.translation, axis=1) > 0.1
+    return Scan(whole.points[is_far], whole.T_world_scanner, "part")
+
+
+@pytest.mark.parametrize(
+    "made, problem",
+    [
+        (lambda: scan_with(), SightProblem.GONE),
+        (covering_scan, SightProblem.TOO_LITTLE),
+        (partial_scan, SightProblem.NOT_IN_VIEW),
+    ],
+    ids=["gone", "too little", "not in view"],
+)
+def test_a_plan_cannot_state_that_it_sees_a_bolt_which_the_scan_does_not_show(made, problem):
+    scan = made()
+    (honest,) = with_sight(CELL, scan, boxes_around(CELL, PLACED))
+    assert honest.seen is not None and honest.seen.problem is problem
+    covariance = np.diag([1e-8] * 6)
+    claimed = SeenBase(scan.digest, rest_pose(CELL, honest), covariance, visible=1.0)
+    stated = replace(honest, seen=claimed)
+    result = plan_row(CELL, (SPACER,), scan.digest, obstacles=(stated,))
+    assert result.plan is not None and result.proof is not None and result.proof.holds
+    proof = prove(CELL, result.plan, scan=scan)
+    assert ProofText.INVENTED_PALLET in [each.problem.text for each in proof.violations]
+
+
+def test_the_proof_asks_the_scene_whether_the_bolt_is_seen(result):
+    plan, box = result.plan, base_of(result)
+    gone = SeenBase(plan.scan_digest, problem=SightProblem.GONE)
+    known = Scene(plan.scan_digest, plan.detections, (replace(box, seen=gone),))
+    (violation,) = sight_violations(CELL, known, plan, plan.picks[0])
+    assert violation.problem.text is SeenBaseText.GONE
+
+
+def test_the_live_verdict_asks_no_scan_where_parts_come_from_outside(scan):
+    asked = {"change": {}, "detections": (SPACER,), "avoided": (), "obstacles": None}
+
+    def boxes(digest: str):
+        around = scan, (SPACER,), PLACED, digest
+        found = JOBS["glance"](CELL, asked | {"around": around}, silent, never)
+        return [box.seen for box in found.obstacles if box.part]
+
+    (seen,), (unseen,) = boxes(scan.digest), boxes("poses from outside")
+    assert seen.problem is None and unseen.problem is SightProblem.NO_SCAN
 
 
 LIES = pin.SE3(turn("y", 90).rotation, BELIEVED.translation + [0.0, 0.0, -0.022])

@@ -143,6 +143,15 @@ def test_what_cannot_be_assembled_is_refused_in_one_sentence(changed, was, becom
     assert "\n" not in message
 
 
+def test_a_base_under_another_part_cannot_be_looked_at_again(changed):
+    three = ('"../../parts/spacer"]', '"../../parts/spacer", "../../parts/puck"]')
+    puck = f'\n[[recipe.item]]\npart = "puck"\non = "bolt"\n{INSERT}'
+    assert len(read_cell(changed(*three, puck)).recipes[0].items) == 3
+    with pytest.raises(FileError) as caught:
+        read_cell(changed(*three, f"{puck}look_again = true\n"))
+    assert "look_again of puck needs a bare bolt, and spacer is on it by then" in str(caught.value)
+
+
 def test_a_base_needs_a_place_that_says_how_it_stands(changed):
     path = changed()
     text = path.read_text(encoding="utf-8")

@@ -169,8 +169,9 @@ def test_what_stands_around_is_looked_for_once_and_again_where_it_may_be_other(
 ):
     verdicts.begin()
     verdicts.ask({}, HERE)
-    scan, parts, placed = asked(found)[0].arguments["around"]
+    scan, parts, placed, digest = asked(found)[0].arguments["around"]
     assert (scan, parts, placed) == (None, detections, ())
+    assert digest == found.state.scene_digest
     asked(found)[0].answered(glance(1))
     verdicts.ask({}, HERE)
     assert asked(found)[1].arguments["obstacles"] == ()

@@ -91,6 +91,16 @@ def test_a_bolt_that_leans_too_far_is_not_taken_for_the_same():
     assert seen_in(scan_of(bolt(tilt=8))).problem is SightProblem.TOO_FAR
 
 
+@pytest.mark.parametrize("rise, problem", [(9, True), (3, True), (-3, True), (1, False)])
+def test_a_bolt_that_has_risen_from_its_nest_is_not_taken_for_the_same(rise, problem):
+    up = Detection("bolt", pose_from_rpy((0.0, 0.0, rise / 1000)) * BELIEVED)
+    seen = seen_in(scan_of(up))
+    assert seen.problem is (SightProblem.OFF_HEIGHT if problem else None)
+    assert seen.shift == pytest.approx(abs(rise) / 1000, abs=0.0005)
+    if problem:
+        assert "at most 2.0 mm up or down" in str(seen.message("bolt"))
+
+
 def test_an_empty_nest_is_no_bolt():
     seen = seen_in(scan_of())
     assert seen.problem is SightProblem.GONE
@@ -181,3 +191,25 @@ def test_of_two_views_one_that_speaks_against_the_bolt_counts():
     assert off(seen_in(both), truth)[0] < 0.0004
     gone = merged(other, first, scan_of(cell=other, seed=2), "second")
     assert seen_in(gone).problem is SightProblem.GONE
+
+
+def both_views(first: Detection, second: Detection, *, seed: int = 1) -> Scan:
+    """A merged scan of two views, between which the bolt may move."""
+    aside = pin.SE3(CELL.scanner.T_world_scanner)
+    aside.translation += np.array([0.0, 0.03, 0.0])
+    other = replace(CELL, scanner=replace(CELL.scanner, T_world_scanner=aside))
+    before = merged(CELL, None, scan_of(first, seed=seed), "first")
+    return merged(other, before, scan_of(second, cell=other, seed=seed + 1), "second")
+
+
+@pytest.mark.parametrize("far", [2, 3, 6])
+def test_a_bolt_that_moves_between_two_views_is_at_no_pose(far):
+    seen = seen_in(both_views(bolt(2, 2), bolt(2 + far, 2)))
+    assert seen.problem is SightProblem.MOVED and seen.T_world_part is None
+    assert "at two places" in str(seen.message("bolt"))
+
+
+@pytest.mark.parametrize("seed", [1, 5, 9])
+def test_two_views_of_a_bolt_that_stands_still_agree(seed):
+    truth = bolt(seed - 5, 2, tilt=1)
+    assert off(seen_in(both_views(truth, truth, seed=seed)), truth)[0] < 0.0004

@@ -189,10 +189,8 @@ def plan(
     """
     scan, detections = arguments["scan"], arguments["detections"]
     report(0.0, ProgressText.OBSTACLES())
-    # What came from outside belongs to no scan of this scanner.
-    is_scanned = scan is not None and scan.digest == arguments["scan_digest"]
-    boxes = boxes_around(cell, arguments["placed"])
-    boxes = with_sight(cell, scan if is_scanned else None, boxes)
+    own = _own_scan(scan, arguments["scan_digest"])
+    boxes = with_sight(cell, own, boxes_around(cell, arguments["placed"]))
     standing = standing_parts(cell, boxes)
     around = Unexplained() if scan is None else look_around(cell, scan, detections, standing)
     result = plan_row(
@@ -217,6 +215,11 @@ def plan(
         cancelled=cancelled,
     )
     return replace(result, candidates=with_exactness(cell, detections, result.candidates))
+
+
+def _own_scan(scan: Scan | None, digest: str) -> Scan | None:
+    """The scan where parts are of it; those from outside belong to no scan of this scanner."""
+    return scan if scan is not None and scan.digest == digest else None
 
 
 def view(
@@ -265,13 +268,13 @@ def glance(
 ) -> Glance:
     """How the candidates would be judged with `change` in the cell, the parts where they were.
 
-    What stands around besides is `obstacles`; None: they are searched for `around`, which holds the
-    scan, the parts found in it, and those that were put down.
+    What stands around besides is `obstacles`; None: they are searched for `around`.  That holds the
+    scan, the parts found, those that were put down, and the digest of the scene of the parts found.
     """
     obstacles = arguments["obstacles"]
     if obstacles is None:
-        scan, found, placed = arguments["around"]
-        boxes = with_sight(cell, scan, boxes_around(cell, placed))
+        scan, found, placed, digest = arguments["around"]
+        boxes = with_sight(cell, _own_scan(scan, digest), boxes_around(cell, placed))
         standing = standing_parts(cell, boxes)
         seen = () if scan is None else unexplained(cell, scan, found, standing)
         obstacles = (*seen, *boxes)

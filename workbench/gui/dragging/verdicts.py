@@ -88,7 +88,8 @@ class LiveVerdicts:
                 **otherwise,
             }
             if arguments["obstacles"] is None:
-                arguments["around"] = state.scan, state.detections, state.placed
+                around = state.scan, state.detections, state.placed, state.scene_digest
+                arguments["around"] = around
 
         def take_answer(result: Any) -> None:
             self._take_answer(drag, number, state, result, T_world_words)

@@ -48,6 +48,12 @@ def _item_problem(recipe: Recipe, item: KitItem, before: Items) -> Message | Non
     for each in (item, before[base]):
         if each.count != 1:
             return AssemblyText.COUNT(part=each.part, count=each.count)
+    if not item.insertion.look_again:
+        return None
+    # A scan compares the base with its own shape, which another part on it changes.
+    for other in before.values():
+        if other.insertion is not None and other.insertion.base == base:
+            return AssemblyText.SEEN_BENEATH(part=item.part, base=base, other=other.part)
     return None
 
 

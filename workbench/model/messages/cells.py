@@ -114,6 +114,9 @@ class AssemblyText(Text, subject="assembly"):
     FROM_BELOW = "insert_along brings {part} to {base} from below"
     MOUTH = "mouth_mm lies {away:mm} outside of {base}"
     CHAMFER = "chamfer_mm {chamfer:mm} is not smaller than {part}, which reaches {half:mm} sideways"
+    SEEN_BENEATH = (
+        "look_again of {part} needs a bare {base}, and {other} is on it by then; leave the key out"
+    )
     PASSED_ON = "the {arm} arm passes parts on, so that nothing can be assembled"
 
 
@@ -130,6 +133,11 @@ class SeenBaseText(Text, subject="seen_base"):
         "{base} was seen {shift:mm} and {turn:deg1} off its believed pose, at most {most:mm} and "
         "{most_turn:deg1} are allowed"
     )
+    OFF_HEIGHT = (
+        "{base} was seen {shift:mm} off its believed pose, of which at most {most:mm} up or down "
+        "is allowed"
+    )
+    MOVED = "the views of the scan show {base} at two places; scan again once it stands still"
     PUT_SINCE = "{base} was put there after the scan; the next scan has to show it"
     EITHER = "a part in an assembly is either seen in a scan, or has a reason why not"
     COVARIANCE = "the covariance of a part that was seen has 6 rows and 6 columns"

@@ -14,6 +14,10 @@ from workbench.model.messages.message import Message
 MOST_SHIFT, MOST_TURN = 0.010, float(np.deg2rad(5.0))
 """[m, rad] A part that stands farther from where it is believed is not taken for the same."""
 
+MOST_RISE = 0.002
+"""[m] The same straight up or down: a part slides on what it stands on, and does not rise from it.
+Dirt beneath it, or a nest that it has not sunk into, leaves more."""
+
 
 class SightProblem(enum.StrEnum):
     """Why a scan does not state where a part stands."""
@@ -24,6 +28,8 @@ class SightProblem(enum.StrEnum):
     TOO_LITTLE = "too-little"
     OTHER = "other"
     TOO_FAR = "too-far"
+    OFF_HEIGHT = "off-height"
+    MOVED = "moved"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,5 +76,7 @@ class SeenBase:
             case SightProblem.TOO_FAR:
                 limits = {"most": MOST_SHIFT, "most_turn": MOST_TURN}
                 return text(base=base, shift=self.shift, turn=self.turn, **limits)
+            case SightProblem.OFF_HEIGHT:
+                return text(base=base, shift=self.shift, most=MOST_RISE)
             case _:
                 return text(base=base)

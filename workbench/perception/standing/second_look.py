@@ -5,7 +5,9 @@ pose, projective ICP from several poses near it, and the dense fit.  The scan is
 pixel with what the part predicts.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 import pinocchio as pin
@@ -14,7 +16,13 @@ from workbench.model.cell import Cell
 from workbench.model.derived.by_view import scans_by_view
 from workbench.model.geometry import Floats
 from workbench.model.part import Bin, Part
-from workbench.model.recipes.seen_base import MOST_SHIFT, MOST_TURN, SeenBase, SightProblem
+from workbench.model.recipes.seen_base import (
+    MOST_RISE,
+    MOST_SHIFT,
+    MOST_TURN,
+    SeenBase,
+    SightProblem,
+)
 from workbench.model.scan import Scan
 from workbench.model.symmetry import BALL, ROUND
 from workbench.perception.bins.bin_fit import OPEN, SeenBin
@@ -60,8 +68,20 @@ STEP_LENGTHS = (0.06, 0.03, 0.015)
 LEAST_MEASURED = 0.1
 """A part of whose picture less than this share is measured is not in view."""
 
+FIT_SHIFT, FIT_TURN = 0.00025, float(np.deg2rad(0.25))
+"""[m, rad] Deviations of a fit, and of a view among others, beyond what covariances state."""
+
+LEAST_ALIKE = 28.0
+"""Squared distance over variance of two views of the same pose: of ten thousand such pairs one has
+more, by chi squared with six degrees of freedom."""
+
 MOSTLY = 0.5
 """A share of the picture through which the scan looks: the part is gone."""
+
+AGAINST = frozenset(
+    {SightProblem.GONE, SightProblem.OTHER, SightProblem.TOO_FAR, SightProblem.OFF_HEIGHT}
+)
+"""What speaks against a part in one view, whatever others show."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,9 +104,9 @@ class _View:
 def find_standing(scan: Scan, cell: Cell, part: Part, T_world_part: pin.SE3) -> SeenBase:
     """Where a scan shows a part that is believed to stand somewhere.
 
-    It is taken for the same part up to `MOST_SHIFT` and `MOST_TURN` off.  Turns that leave the part
-    as it is, or that the scan does not show, stay as believed.  The same scan and pose bring the
-    same result.
+    It is taken for the same part up to `MOST_SHIFT`, `MOST_RISE` and `MOST_TURN` off.  Turns that
+    leave the part as it is, or that the scan does not show, stay as believed.  The same scan and
+    pose bring the same result.
 
     Args:
         scan: organised or not; of a merged one each view counts.
@@ -100,9 +120,24 @@ def find_standing(scan: Scan, cell: Cell, part: Part, T_world_part: pin.SE3) -> 
     views = scans_by_view(scan)
     found = [_in_view(view, cell, part, T_world_part) for view in views]
     # What one view hides another one may show, but none may speak against the part.
-    against = {SightProblem.GONE, SightProblem.OTHER, SightProblem.TOO_FAR}
-    best = max(found, key=lambda seen: (seen.problem in against, not seen.problem, seen.visible))
+    best = max(found, key=lambda seen: (seen.problem in AGAINST, not seen.problem, seen.visible))
+    if best.problem is None and not _are_alike([seen for seen in found if not seen.problem]):
+        return SeenBase(scan.digest, visible=best.visible, problem=SightProblem.MOVED)
     return replace(best, scan=scan.digest)
+
+
+def _are_alike(found: Sequence[SeenBase]) -> bool:
+    """Whether all views show a part at one pose, as far as each states its own."""
+    floor = np.diag(np.square([FIT_SHIFT] * 3 + [FIT_TURN] * 3))
+    for one, other in combinations(found, 2):
+        T, U = one.T_world_part, other.T_world_part
+        assert T is not None and U is not None
+        assert one.covariance is not None and other.covariance is not None
+        off = np.append(U.translation - T.translation, pin.log3(U.rotation @ T.rotation.T))
+        variance = one.covariance + other.covariance + 2 * floor
+        if off @ np.linalg.solve(variance, off) > LEAST_ALIKE:
+            return False
+    return True
 
 
 def _in_view(scan: Scan, cell: Cell, part: Part, T_world_part: pin.SE3) -> SeenBase:
@@ -125,6 +160,9 @@ def _in_view(scan: Scan, cell: Cell, part: Part, T_world_part: pin.SE3) -> SeenB
     if shift > MOST_SHIFT or turn > MOST_TURN:
         visible, far = sighting.visible, SightProblem.TOO_FAR
         return SeenBase(scan.digest, None, None, shift, turn, visible, far)
+    if abs(_rise(scan, view.surface, pose, believed)) > MOST_RISE:
+        visible, high = sighting.visible, SightProblem.OFF_HEIGHT
+        return SeenBase(scan.digest, None, None, shift, turn, visible, high)
     axes = np.kron(np.eye(2), scan.T_world_scanner.rotation)
     known = covariance(view.depth_map, view.surface, pose, sighting, view.tolerance)
     T_seen = scan.T_world_scanner * pin.SE3(pose)
@@ -262,3 +300,9 @@ def _off(surface: PartSurface, pose: Floats, believed: Floats) -> tuple[float, f
     apart = (pose - believed) @ np.append(surface.middle, 1.0)
     turn = pin.log3(np.array(believed[:3, :3].T @ pose[:3, :3]))
     return float(np.linalg.norm(apart[:3])), float(np.linalg.norm(turn))
+
+
+def _rise(scan: Scan, surface: PartSurface, pose: Floats, believed: Floats) -> float:
+    """How far up [m] a part's middle at a pose (4, 4) [m] is over a believed one, in the world."""
+    apart = (pose - believed) @ np.append(surface.middle, 1.0)
+    return float(scan.T_world_scanner.rotation[2] @ apart[:3])

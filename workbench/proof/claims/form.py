@@ -142,8 +142,10 @@ def _same_kept(obstacle: Obstacle, other: Obstacle) -> bool:
     T, U = obstacle.T_world_put, other.T_world_put
     if T is None or U is None or obstacle.part != other.part or not _same_box(obstacle, other):
         return False
-    # A base that was seen is not the same as one that is only believed to stand there.
-    seen, known = (None if box.seen is None else box.seen.scan for box in (obstacle, other))
+    # A base that was seen is not the same as one that is only believed to stand there, or is gone.
+    seen, known = (
+        None if box.seen is None else (box.seen.scan, box.seen.problem) for box in (obstacle, other)
+    )
     return bool(T.isApprox(U, 1e-9)) and seen == known
 
 

@@ -21,6 +21,7 @@ from workbench.proof.claims.grasps.loads import load_violations
 from workbench.proof.claims.grasps.rolls import roll_violations
 from workbench.proof.claims.grasps.taking import grasp_violations, pair_violations
 from workbench.proof.claims.grasps.upright import upright_violations
+from workbench.proof.claims.places.assembled import sight_violations
 from workbench.proof.claims.places.layers import kept_box, pallet_violations
 from workbench.proof.claims.places.standing import standing_after
 from workbench.proof.claims.scene import filled_bin, turned_pieces
@@ -117,6 +118,7 @@ def _claims(
     violations += too_fast or points_too_fast
     violations += slot_violations(cell, tree, plan)
     violations += [f for pick in picks for f in grasp_violations(cell, tree, plan, pick)]
+    violations += [f for pick in picks for f in sight_violations(cell, scene, plan, pick)]
     violations += [f for pick in picks for f in roll_violations(cell, tree, plan, pick)]
     violations += [f for pick in picks for f in upright_violations(cell, tree, plan, pick)]
     violations += pair_violations(cell, plan)

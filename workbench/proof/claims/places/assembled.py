@@ -17,7 +17,7 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.part import Part, PartPlace
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.recipes.kit import Insertion
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Scene
 from workbench.proof.claims.motion import dense_path
 from workbench.proof.claims.places.layers import FALL, SEARCHED_BELOW, fall, standing_problem
 from workbench.proof.claims.places.placed_poses import OFF_LINE, lying_violations, right_poses
@@ -60,14 +60,22 @@ def assembly_violations(
     elif (T_base := assembled_pose(cell, plan.obstacles, insertion.base)) is None:
         yield violation(ProofText.NO_BASE(part=found.part, base=insertion.base))
         return
-    elif (why := sight_problem(insertion, plan.obstacles, plan.scan_digest)) is not None:
-        yield violation(why)
-        return
     else:
         for problem, number in _insertion_problems(part, insertion, T_base, way):
             yield violation(problem, None if number is None else int(at[number]))
     if (problem := _falls_far(cell, plan, found, way[-1], most)) is not None:
         yield violation(problem)
+
+
+def sight_violations(
+    cell: Cell, scene: Scene, plan: Plan, arm_plan: ArmPlan
+) -> Iterator[Violation]:
+    """Whether the scan shows the base of a part, as the scene has it whatever the plan states."""
+    insertion = insertion_of(cell, plan.detections[arm_plan.detection].part)
+    if insertion is None or arm_plan.station:
+        return
+    if (why := sight_problem(insertion, scene.obstacles, plan.scan_digest)) is not None:
+        yield Violation(why, arm_plan.arm, "place")
 
 
 def _insertion_problems(
