@@ -241,14 +241,13 @@ class Policy:
     `order` states which part is taken first: which takes the least time, the highest, the best
     score, the nearest to the tool, the farthest from walls, or by the thesis' rules
     (`planning.picking.order`).  `metric` weighs the joints in the planners' distance: each counts
-    this fraction of the one before it, which moves more of the arm.  `lifts`
-    (`planning.picking.lifts`) take a part out whose grasp says none, the first that is clear.
-    `least_air` [m]: fingers may arrive less open than a grasp says where there is no room, with so
-    much left on each side; None: as it says.  `pair_gap` [m]: parts nearer to each other are of one
-    heap, of which a plan takes but one; 0: any two.  `picks`: plans in a row after one scan.
-    `tcp_speed`, `point_speed`, `held_speed` [m/s], `manual_speed`, `contact_energy` [J]:
-    limits (`derived.speed_limits`).  `as_needed`: else by `derived.policies.widened`.  `stirs` in a
-    row, at `stir_speed` [m/s], where nothing can be taken.  `retry_without_scan` after a miss.
+    this fraction of the one before it.  `lifts` (`planning.picking.lifts`) take a part out whose
+    grasp says none, the first that is clear.  `least_air` [m]: fingers may arrive less open than a
+    grasp says, with so much left on each side; None: as it says.  `pair_gap` [m]: parts nearer are
+    of one heap, of which a plan takes but one; 0: any two.  `picks`: plans in a row after one scan.
+    `tcp_speed`, `point_speed`, `held_speed` [m/s], `manual_speed`, `contact_energy` [J]: limits
+    (`derived.speed_limits`), as `stir_speed` and `slot_speed`.  `as_needed`: else by
+    `derived.policies.widened`.  `stirs` in a row.  `retry_without_scan` after a miss.
     """
 
     margin: float = 0.005
@@ -281,6 +280,7 @@ class Policy:
     as_needed: bool = field(default_factory=lambda: True, metadata=LATER)
     stirs: int = field(default_factory=int, metadata=LATER)
     stir_speed: float = field(default_factory=lambda: 0.1, metadata=LATER)
+    slot_speed: float = field(default_factory=lambda: 0.05, metadata=LATER)
     retry_without_scan: bool = field(default_factory=bool, metadata=LATER)
 
 

@@ -33,6 +33,9 @@ TOOL_LEGS: tuple[LegName, ...] = ("reach", "stow", "retract", "cross", "dock", "
 `stow` and `dock` lead straight to the pose of a slot, `retract` and `draw` straight away from it.
 """
 
+SLOT_LEGS: frozenset[LegName] = frozenset({"stow", "retract", "dock", "draw"})
+"""Legs straight into the slot of a tool, or out of it."""
+
 WHOLE_STEP_WITHIN = 1e-6
 """[smallest step] A limit this close to a whole step is that step."""
 

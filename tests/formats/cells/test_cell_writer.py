@@ -86,6 +86,7 @@ def test_what_is_seldom_changed_comes_back_too(tmp_path):
         held_speed=0.3,
         stirs=2,
         stir_speed=0.15,
+        slot_speed=0.03,
         manual_speed=True,
         contact_energy=0.49,
     )

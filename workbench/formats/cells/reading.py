@@ -350,6 +350,7 @@ def _policy(table: Table) -> tuple[Policy, int]:
         contact_energy=energy if table.has("contact_energy_j") else None,
         stirs=table.whole("stirs", usual.stirs, low=0, high=MOST_STIRS),
         stir_speed=table.number("stir_speed_mm", usual.stir_speed * 1000, low=10, high=250) / 1000,
+        slot_speed=table.number("slot_speed_mm", usual.slot_speed * 1000, low=10, high=250) / 1000,
         **{key: _speed(table, f"{key}_mm") for key in SPEED_KEYS},
     )
     if problem := picks_problem(policy):

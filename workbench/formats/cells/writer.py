@@ -165,8 +165,9 @@ def _policy(cell: Cell) -> Iterator[str]:
             yield f"{key} = true"
     if policy.contact_energy is not None:
         yield f"contact_energy_j = {number(policy.contact_energy)}"
-    if policy.stir_speed != usual.stir_speed:
-        yield f"stir_speed_mm = {number(policy.stir_speed * 1000)}"
+    for key in ("stir_speed", "slot_speed"):
+        if (speed := getattr(policy, key)) != getattr(usual, key):
+            yield f"{key}_mm = {number(speed * 1000)}"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"
 
 

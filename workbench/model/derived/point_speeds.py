@@ -25,7 +25,7 @@ from workbench.model.derived.carried_points import (
 )
 from workbench.model.derived.speed_limits import speed_limits
 from workbench.model.geometry import Floats
-from workbench.model.plan import ArmPlan, Leg, Plan
+from workbench.model.plan import ArmPlan, Leg, LegName, Plan
 
 KEPT_SHARE = 0.98
 """Of a limit of the policy: between the marks of a curve points may be a little faster."""
@@ -78,14 +78,13 @@ def speeds_on(
     holding: bool,
     opening: float,
     hand: InHand | None,
-    *,
-    stirs: bool = False,
+    leg: LegName | None = None,
 ) -> PointSpeeds | None:
     """What an arm moves on a leg, with its fingers at an `opening` [m]; None without limits.
 
     `hand` is what it carries where it is `holding` something.
     """
-    tcp_limit, point_limit = speed_limits(cell, arm, holding, stirs=stirs)
+    tcp_limit, point_limit = speed_limits(cell, arm, holding, leg)
     if min(tcp_limit, point_limit) == np.inf:
         return None
     links = link_points(cell, arm.name)
@@ -107,8 +106,8 @@ def speeds_of(cell: Cell, plan: Plan, arm_plan: ArmPlan, leg: Leg) -> PointSpeed
     if arm_plan.takes_part:
         found = plan.detections[arm_plan.detection]
         hand = InHand(cell.part(found.part), found, arm_plan.T_tcp_part)
-    arm, stirs = cell.arm(arm_plan.arm), leg.name == "stir"
-    return speeds_on(cell, arm, leg.holding, leg.opening, hand, stirs=stirs)
+    arm = cell.arm(arm_plan.arm)
+    return speeds_on(cell, arm, leg.holding, leg.opening, hand, leg.name)
 
 
 def _twists(cell: Cell, arm: Arm, q: Floats, slopes: Floats) -> Iterator[tuple[Floats, Floats]]:

@@ -181,6 +181,7 @@ class SlotText(Text, subject="slot"):
     CARRIED = "the {arm} arm carries {tool} already"
     NO_SLOT = "{tool} of the {arm} arm has no slot: state it in the cell file, arm.tool_slot"
     NO_LINK = "robot link {link} couples no tools: change the tool by hand"
+    JERK = "arm {arm} has jerk_deg: how fast it is at a slot cannot be proven"
     CHANGING = "the {arm} arm changes its tool: wait for the end"
     UNKNOWN = "nobody has stated which tool the {arm} arm carries: state it in the tab Cell"
 

@@ -70,6 +70,8 @@ def change_problem(cell: Cell, arm_name: str, tool: str) -> Message | None:
             return SlotText.NO_SLOT(arm=arm.name, tool=name)
     if not cell.controller.motion.takes_tools:
         return SlotText.NO_LINK(link=cell.controller.link)
+    if arm.jerk is not None:
+        return SlotText.JERK(arm=arm.name)
     return None
 
 

@@ -218,8 +218,7 @@ def leg_of(
 ) -> Leg:
     """A leg of one arm along a path (m, n) [rad], with its timing; the `opening` is in m."""
     pace = pace_of(world.chains[arm.name], world.policy.speed)
-    stirs = name == "stir"
-    points = speeds_on(world.cell, arm, name in HOLDING, opening, hand, stirs=stirs)
+    points = speeds_on(world.cell, arm, name in HOLDING, opening, hand, name)
     limits = pace.velocity, pace.acceleration, world.policy.zone, pace.jerk
     times = compute_times(path, *limits, None if points is None else points.shares)
     return Leg(name, MOTIONS[name], name in HOLDING, opening, path, times)

@@ -15,12 +15,11 @@ from workbench.model.messages.plans import (
     strategy_message,
 )
 from workbench.model.messages.proofs import ProofText
-from workbench.model.motion import LEG_NAMES, STIR_LEGS, TOOL_LEGS, VIEW_LEGS
+from workbench.model.motion import LEG_NAMES, SLOT_LEGS, STIR_LEGS, TOOL_LEGS, VIEW_LEGS
 from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Strategy, Violation
 from workbench.model.robot import Tcp
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.claims.scene import unseen_bin
-from workbench.proof.claims.stages import SLOT_LEGS
 from workbench.proof.claims.stirring import stir_violations
 from workbench.proof.claims.tool_change import change_violations
 

@@ -13,15 +13,13 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
+from workbench.model.motion import SLOT_LEGS
 from workbench.model.plan import ArmPlan, Leg, LegName, Plan
 from workbench.model.tools.slots import standing_name
 from workbench.proof.claims.motion import sweep_change, sweep_path
 from workbench.proof.claims.table import Situation
 from workbench.proof.engine.robot import Tree
 from workbench.proof.engine.sets import Sets
-
-SLOT_LEGS: frozenset[LegName] = frozenset({"stow", "retract", "dock", "draw"})
-"""Legs straight into the slot of a tool, or out of it."""
 
 INTO_SLOT: frozenset[LegName] = frozenset({"stow", "dock"})
 """Those of them that end in the slot; the others begin there."""

@@ -9,12 +9,12 @@ import pinocchio as pin
 from workbench.model.cell import Cell, Tool
 from workbench.model.geometry import Floats
 from workbench.model.messages.proofs import ProofText
-from workbench.model.motion import LegName
+from workbench.model.motion import SLOT_LEGS, LegName
 from workbench.model.plan import Plan, Violation
 from workbench.model.robot import ToolSlot
 from workbench.model.tools.slots import NO_TOOL
 from workbench.proof.claims.grasps.straight import straight_violations
-from workbench.proof.claims.stages import INTO_SLOT, SLOT_LEGS, tcp
+from workbench.proof.claims.stages import INTO_SLOT, tcp
 from workbench.proof.claims.tolerances import AT_SLOT
 from workbench.proof.engine.robot import Tree
 

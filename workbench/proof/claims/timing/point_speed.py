@@ -42,7 +42,7 @@ def speed_claims(
     cell: Cell, tree: Tree, plan: Plan
 ) -> tuple[tuple[Violation, ...], tuple[SpeedBound, ...]]:
     """Legs on which points are too fast, and how fast each leg can be; nothing without limits."""
-    if not (limits_speed(cell) or plan.is_stir_plan):
+    if not (limits_speed(cell) or plan.is_stir_plan or plan.is_tool_plan):
         return (), ()
     bounds = PointBounds(cell, tree, plan)
     violations: list[Violation] = []
@@ -60,7 +60,7 @@ def speed_claims(
 def _limits(cell: Cell, moving: MovingArm) -> tuple[float, float]:
     """How fast [m/s] the TCP and any point may be on a leg."""
     leg = moving.leg
-    return speed_limits(cell, moving.arm, leg.holding, stirs=leg.name == "stir")
+    return speed_limits(cell, moving.arm, leg.holding, leg.name)
 
 
 class _Together:

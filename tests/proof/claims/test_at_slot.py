@@ -1,10 +1,11 @@
-"""How deep tool and flange may be in what they touch in a slot, and that no link may be."""
+"""At the slot of a tool: what may touch how deep, that no link may, and how fast points are."""
 
 from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from bending import with_leg
 
 from workbench.app.empty_hand.tool_change import plan_tool_change
 from workbench.formats.cells.reading import read_cell
@@ -12,6 +13,7 @@ from workbench.formats.files.shipped import find
 from workbench.model.cell import Cell
 from workbench.model.geometry import Box, Solid
 from workbench.model.plan import Plan
+from workbench.model.tools.slots import change_problem
 from workbench.planning.empty_hand.tool_change import slot_problem
 from workbench.proof.claims.prove import prove
 
@@ -72,6 +74,31 @@ def test_a_tool_is_at_most_half_a_millimetre_deep_in_its_slot(
     assert (slot_problem(low, "right", "suction_cup") is None) is holds
     made = plan_tool_change(low, "right", "wide_cup")
     assert (made.proof is not None and made.proof.holds) is holds
+
+
+def test_no_point_is_faster_at_a_slot_than_the_policy_says(cell: Cell, plan: Plan) -> None:
+    proof = prove(cell, plan.scene, plan)
+    fast = {bound.leg: bound.point for bound in proof.speeds}
+    assert proof.holds and fast["cross"] > 0.5
+    for leg in ("stow", "retract", "dock", "draw"):
+        assert 0.03 < fast[leg] <= cell.policy.slot_speed == 0.05
+        moved = plan.arms[0].leg(leg)
+        quick = with_leg(plan, "right", leg, q=moved.q, t=np.asarray(moved.t) * 0.8)
+        assert f"leg {leg} after waypoint" in objections(cell, quick)
+
+
+def test_a_slower_slot_speed_is_kept(cell: Cell) -> None:
+    slow = replace(cell, policy=replace(cell.policy, slot_speed=0.02))
+    made = plan_tool_change(slow, "right", "wide_cup")
+    assert made.proof is not None and made.proof.holds
+    assert max(b.point for b in made.proof.speeds if b.leg in ("stow", "draw")) <= 0.02
+
+
+def test_an_arm_whose_jerk_is_limited_changes_no_tool(cell: Cell) -> None:
+    (arm,) = cell.arms
+    jerky = replace(arm, jerk=np.full(6, 100.0))
+    problem = change_problem(replace(cell, arms=(jerky,)), "right", "wide_cup")
+    assert str(problem) == "arm right has jerk_deg: how fast it is at a slot cannot be proven"
 
 
 def test_a_link_near_the_rack_is_in_the_clearance_that_is_shown(cell: Cell, plan: Plan) -> None:
