@@ -103,7 +103,8 @@ class Detection(FactsRepr):
     has put where it is now; None where it lies as it was found.  `by_colour` True: kind and turn
     are those that the colours show, where shape leaves several; False: they should have reported it
     and do not, so that it is by shape alone; None: nothing was left to them.  `placing` is how far
-    it may be off, of a part of an assembly that was placed.
+    it may be off, of a part of an assembly that was placed.  `T_world_seen` is where a scan has
+    shown such a part last since it was placed; None where none has.
     """
 
     part: str
@@ -119,6 +120,7 @@ class Detection(FactsRepr):
     T_world_found: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
     by_colour: bool | None = field(default_factory=lambda: None, metadata=LATER)
     placing: PlacingError | None = field(default_factory=lambda: None, metadata=LATER)
+    T_world_seen: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.covariance is not None and np.shape(self.covariance) != (6, 6):
@@ -141,6 +143,7 @@ class Detection(FactsRepr):
             probability=None if self.probability is None else float(self.probability),
             roll_axis=None if self.roll_axis is None else frozen(self.roll_axis),
             T_world_found=None if self.T_world_found is None else copy_pose(self.T_world_found),
+            T_world_seen=None if self.T_world_seen is None else copy_pose(self.T_world_seen),
         )
 
     @property

@@ -19,7 +19,7 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.people import WORKER
 from workbench.app.core.state import Ahead, Phase, State
-from workbench.app.picking.pallets import at_rest
+from workbench.app.picking.pallets import at_rest, boxes_around
 from workbench.app.records.replay import replay
 from workbench.app.review.recompute import recompute_tasks
 from workbench.app.runtime.bench import Bench
@@ -28,6 +28,7 @@ from workbench.app.runtime.work import JOBS
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.journal.journal import Journal
+from workbench.model.derived.assembling import rest_pose
 from workbench.model.derived.by_recipe import with_recipe
 from workbench.model.digest import digest_of
 from workbench.model.messages.cells import SeenBaseText
@@ -89,6 +90,10 @@ def test_the_spacer_is_sent_to_where_the_bolt_is_seen_and_computed_again(bench, 
     assert base["said"]["id"] == SeenBaseText.SEEN.id
     carry_out(bench, result)
     assert lacks_of(bench.state) == {}
+    # Nothing lacks on it any more, and paths to views, stirring and changes still avoid it there.
+    stands, _ = boxes_around(bench.state.cell, bench.state.placed)
+    assert rest_pose(bench.state.cell, stands).isApprox(box.seen.T_world_part, 1e-9)
+    assert at_rest(bench.state.cell, bench.state.placed)[0].isApprox(box.seen.T_world_part, 1e-9)
     last = bench.state
     bench.close()
     *_, (_, again) = replay(Journal(tmp_path / "session"), cell_file())

@@ -238,6 +238,29 @@ def test_a_bolt_that_has_its_spacer_is_not_searched_again(scan):
     assert with_sight(CELL, scan, boxes[:1])[0].seen is not None
 
 
+def test_a_bolt_that_was_seen_stays_there_and_counts_as_off_from_where_it_was_put(scan):
+    was_seen = (replace(PLACED[0], T_world_seen=BELIEVED * OFF),)
+    spacer = Detection("spacer", BELIEVED * OFF * insertion(CELL).T_base_part)
+    bolt, _ = with_sight(CELL, scan, boxes_around(CELL, (*was_seen, spacer)))
+    assert bolt.seen is None and rest_pose(CELL, bolt).isApprox(BELIEVED * OFF, 1e-9)
+    (again,) = with_sight(CELL, scan, boxes_around(CELL, was_seen))
+    (first,) = with_sight(CELL, scan, boxes_around(CELL, PLACED))
+    assert again.seen.shift == first.seen.shift > 0.003
+    assert again.T_world_box.isApprox(first.T_world_box, 1e-12)
+
+
+def test_a_bolt_that_this_scan_does_not_show_stays_where_another_has_shown_it():
+    was_seen = (replace(PLACED[0], T_world_seen=BELIEVED * OFF),)
+    empty = scan_with()
+    (box,) = with_sight(CELL, empty, boxes_around(CELL, was_seen))
+    assert box.seen is not None and box.seen.problem is SightProblem.GONE
+    assert rest_pose(CELL, box).isApprox(BELIEVED * OFF, 1e-9)
+    assert as_scan_shows(CELL, empty, (box,)) == (box,)
+    far = pose_from_rpy((0.02, 0.0, 0.0)) * box.T_world_box
+    (put,) = as_scan_shows(CELL, empty, (replace(box, T_world_box=far),))
+    assert rest_pose(CELL, put).isApprox(BELIEVED, 1e-4)
+
+
 def test_a_bolt_that_may_be_missing_is_no_base_whatever_the_scan_shows(scan):
     doubtful = (replace(PLACED[0], score=0.0),)
     assert plan_in(scan, placed=doubtful).verdict.note == VerdictNote.NO_BASE(base="bolt")

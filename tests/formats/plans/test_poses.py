@@ -164,6 +164,7 @@ FULL = {
     "T_world_found": T * T,
     "by_colour": False,
     "placing": PlacingError(np.eye(6), np.diag([1e-8, 2e-8, 3e-8, 1e-6, 2e-6, 3e-6])),
+    "T_world_seen": T,
 }
 
 

@@ -1,13 +1,14 @@
 """Parts at places that keep them: what is in the way there, and how full pallets are."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.assembling import rest_pose
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box
 from workbench.model.messages.message import Message
@@ -29,6 +30,8 @@ from workbench.proof.engine.shapes import gap_of
 def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:
     """Parts that have been put down, as obstacles, those that were put down first coming first.
 
+    What a scan has shown since is where that has shown it last.
+
     Raises:
         InputError: one of them is of a part that the cell does not have any more.
     """
@@ -38,18 +41,22 @@ def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...
         if detection.part not in known:
             raise InputError(PalletText.UNKNOWN_PART(part=detection.part))
         # What nothing speaks for may be there since a fault, or not: it carries no other.
-        boxes.append(
-            kept_box(cell, boxes, detection, detection.T_world_part, is_sure=detection.score > 0)
-        )
+        T_put = detection.T_world_part
+        box = kept_box(cell, boxes, detection, T_put, is_sure=detection.score > 0)
+        if detection.T_world_seen is not None:
+            T_believed = rest_pose(cell, box) if box.part else T_put
+            T_box = detection.T_world_seen * T_believed.actInv(box.T_world_box)
+            box = replace(box, T_world_box=T_box)
+        boxes.append(box)
     return tuple(boxes)
 
 
 def at_rest(cell: Cell, placed: Sequence[Detection]) -> tuple[pin.SE3, ...]:
-    """`T_world_part` of parts that have been put down; on a pallet in layers they have fallen."""
+    """`T_world_part` of parts that were put down: where a scan has shown them, or they fell."""
     boxes, found = boxes_around(cell, placed), list[pin.SE3]()
     for number, (box, detection) in enumerate(zip(boxes, placed, strict=True)):
-        T = detection.T_world_part.copy()
-        if box.part:
+        T = (detection.T_world_seen or detection.T_world_part).copy()
+        if box.part and detection.T_world_seen is None:
             T.translation -= [
                 0.0,
                 0.0,

@@ -118,6 +118,9 @@ def read_detection(table: Table, *, complete: bool) -> Detection:
         else None,
         by_colour=table.flag("by_colour") if table.has("by_colour") else None,
         placing=_placing(table) if complete and table.has("placing") else None,
+        T_world_seen=read_pose_rows(table, "T_world_seen")
+        if complete and table.has("T_world_seen")
+        else None,
     )
     table.finish()
     return detection

@@ -1,6 +1,7 @@
 """What a recipe assembles: which parts come onto which others."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -79,6 +80,22 @@ def seen_pose(detection: Detection, obstacles: Iterable[Obstacle]) -> pin.SE3 | 
         if T.isApprox(detection.T_world_part, 1e-6):
             return box.seen.T_world_part
     return None
+
+
+def with_poses_seen(
+    placed: Iterable[Detection], obstacles: Sequence[Obstacle]
+) -> tuple[Detection, ...]:
+    """Parts that were put down, each where a scan shows it, or has shown it before.
+
+    Args:
+        placed: as the hands have let go of them.
+        obstacles: of a plan, with what its scan shows of them.
+    """
+    return tuple(
+        detection if T is None else replace(detection, T_world_seen=T)
+        for detection in placed
+        for T in [seen_pose(detection, obstacles)]
+    )
 
 
 def standing_parts(cell: Cell, obstacles: Iterable[Obstacle]) -> tuple[Detection, ...]:

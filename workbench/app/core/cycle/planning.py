@@ -21,6 +21,7 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.candidate import Reason
 from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.derived.assembling import with_poses_seen
 from workbench.model.derived.by_recipe import kit_of, strategies_of, strategy_of, wanted_parts
 from workbench.model.derived.row_parts import count_taken
 from workbench.model.digest import called
@@ -155,6 +156,8 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
     is_over = result.plan is None and result.verdict.reason is not Reason.OUT_OF_TIME
     is_over = is_over and not state.disturbed
     state = with_nothing_seen(state) if is_over else state
+    # Later paths keep clear of a base where it was seen, also once nothing comes onto it any more.
+    state = replace(state, placed=with_poses_seen(state.placed, result.obstacles))
     if result.plan is None:
         phase = Phase.LOCALIZED
         no_plan = StateText.NO_PLAN(verdict=result.verdict.message)
