@@ -20,6 +20,7 @@ from workbench.formats.plans.certificates import read_certificate
 from workbench.formats.plans.plan_files import read_plan
 from workbench.model.messages.changes import ChangeText
 from workbench.model.messages.states import LeftText
+from workbench.model.messages.work import ProgressText
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.scan import LocalizationResult, ScaleCheck
 from workbench.web.api.calls import CALLS
@@ -172,13 +173,14 @@ def test_a_program_goes_on_after_a_cycle_and_a_person_approves(site):
 def test_what_tasks_wait_for_is_told_with_the_state_and_with_the_task(site):
     assert site.get("/state").json()["getting_ready"] is None
     site.effects.hold.set()
-    site.effects.live = Live(getting_ready=GettingReady(0.4, "getting ready"))
+    note = ProgressText.GETTING_READY()
+    site.effects.live = Live(getting_ready=GettingReady(0.4, note))
     site.post("/scan")
-    told = {"done": 0.4, "note": "getting ready"}
+    told = {"done": 0.4, "note": str(note)}
     assert site.get("/state").json()["getting_ready"] == told
     answer = site.get("/jobs/current").json()
     assert answer["getting_ready"] == told
-    assert (answer["job"]["done"], answer["job"]["note"]) == (0.4, "getting ready")
+    assert (answer["job"]["done"], answer["job"]["note"]) == (0.4, str(note))
 
 
 def test_piles_are_emptied_and_what_came_of_them_is_read_as_the_study_prints_it(site):

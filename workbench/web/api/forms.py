@@ -163,7 +163,7 @@ def job_form(state: State, live: Live) -> Form:
 
 def _preparing(live: Live) -> Form | None:
     what = live.getting_ready
-    return None if what is None else {"done": finite(what.done), "note": what.note}
+    return None if what is None else {"done": finite(what.done), "note": str(what.note)}
 
 
 def scan_form(scan: Scan) -> Form:
