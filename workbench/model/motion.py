@@ -14,7 +14,7 @@ from workbench.model.geometry import Floats
 Corners = Literal["stop", "blend", "streamed"]
 
 PartLeg = Literal["reach", "approach", "extract", "return", "place", "home"]
-ToolLeg = Literal["stow", "retract", "cross", "dock", "draw"]
+ToolLeg = Literal["stow", "retract", "cross", "dock", "undock"]
 LegName = Literal[PartLeg, ToolLeg, "view", "stir"]
 """The names of all legs."""
 
@@ -27,13 +27,13 @@ VIEW_LEGS: tuple[LegName, ...] = ("view",)
 STIR_LEGS: tuple[LegName, ...] = ("reach", "stir", "home")
 """The legs of an arm that stirs the parts in the bin with its hand."""
 
-TOOL_LEGS: tuple[LegName, ...] = ("reach", "stow", "retract", "cross", "dock", "draw", "home")
+TOOL_LEGS: tuple[LegName, ...] = ("reach", "stow", "retract", "cross", "dock", "undock", "home")
 """The legs of an arm that changes its tool: with the old one up to `stow`, then bare up to `dock`.
 
-`stow` and `dock` lead straight to the pose of a slot, `retract` and `draw` straight away from it.
+`stow` and `dock` lead straight to the pose of a slot, `retract` and `undock` straight away from it.
 """
 
-SLOT_LEGS: frozenset[LegName] = frozenset({"stow", "retract", "dock", "draw"})
+SLOT_LEGS: frozenset[LegName] = frozenset({"stow", "retract", "dock", "undock"})
 """Legs straight into the slot of a tool, or out of it."""
 
 WHOLE_STEP_WITHIN = 1e-6

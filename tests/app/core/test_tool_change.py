@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from line import Line, refused
 from samples import Samples
+from tool_changing import changed, changer_cell
 
 from workbench.app.core.cell.changes import CellRead, ChangeCell, StateTool, UndoCell
 from workbench.app.core.cycle.ahead import GoOn
@@ -18,10 +19,7 @@ from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import StartJob, UseCell
 from workbench.app.core.session import Opened, Started
 from workbench.app.core.state import Phase
-from workbench.app.empty_hand.tool_change import plan_tool_change
 from workbench.app.provenance.inventory import Inventory
-from workbench.formats.cells.reading import read_cell
-from workbench.formats.files.shipped import find
 from workbench.model.cell import Cell
 from workbench.model.plan import PlanResult
 from workbench.model.robot import ToolSlot
@@ -30,12 +28,12 @@ from workbench.model.tools.slots import with_mounted
 
 @pytest.fixture(scope="module")
 def cell() -> Cell:
-    return read_cell(find("robots", "tx2_90") / "tool_changer.toml")
+    return changer_cell()
 
 
 @pytest.fixture(scope="module")
 def result(cell: Cell) -> PlanResult:
-    return plan_tool_change(cell, "right", "wide_cup")
+    return changed(cell)
 
 
 def planned(cell: Cell, result: PlanResult) -> Line:

@@ -3,13 +3,12 @@
 from dataclasses import replace
 
 import pytest
+from tool_changing import changed, changer_cell
 
 from workbench.app.core.cell.changes import StateTool
 from workbench.app.core.people import Role
-from workbench.app.empty_hand.tool_change import plan_tool_change
 from workbench.app.runtime.live import Live
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.files.shipped import find
 from workbench.gui.cell.panel import NOT_KNOWN, CellPanel
 from workbench.gui.cycle.approval_views import _plan as plan_facts
 from workbench.gui.cycle.empty_hand import ToolButton
@@ -24,12 +23,12 @@ from workbench.proof.claims.spot import spot_of
 
 @pytest.fixture(scope="module")
 def cell() -> Cell:
-    return read_cell(find("robots", "tx2_90") / "tool_changer.toml")
+    return changer_cell()
 
 
 @pytest.fixture(scope="module")
 def result(cell: Cell) -> PlanResult:
-    return plan_tool_change(cell, "right", "wide_cup")
+    return changed(cell)
 
 
 def shown(visitor, state) -> View:

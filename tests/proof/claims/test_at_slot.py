@@ -6,10 +6,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from bending import with_leg
+from tool_changing import change_plan, changer_cell, objections
 
 from workbench.app.empty_hand.tool_change import plan_tool_change
-from workbench.formats.cells.reading import read_cell
-from workbench.formats.files.shipped import find
 from workbench.model.cell import Cell
 from workbench.model.geometry import Box, Solid
 from workbench.model.plan import Plan
@@ -20,18 +19,12 @@ from workbench.proof.claims.prove import prove
 
 @pytest.fixture(scope="module")
 def cell() -> Cell:
-    return read_cell(find("robots", "tx2_90") / "tool_changer.toml")
+    return changer_cell()
 
 
 @pytest.fixture(scope="module")
 def plan(cell: Cell) -> Plan:
-    made = plan_tool_change(cell, "right", "wide_cup").plan
-    assert made is not None
-    return made
-
-
-def objections(cell: Cell, plan: Plan) -> str:
-    return "\n".join(map(str, prove(cell, plan.scene, plan).violations))
+    return change_plan(cell)
 
 
 def with_block(cell: Cell, plan: Plan, size: list[float], at: list[float]) -> tuple[Cell, Plan]:
@@ -80,7 +73,7 @@ def test_no_point_is_faster_at_a_slot_than_the_policy_says(cell: Cell, plan: Pla
     proof = prove(cell, plan.scene, plan)
     fast = {bound.leg: bound.point for bound in proof.speeds}
     assert proof.holds and fast["cross"] > 0.5
-    for leg in ("stow", "retract", "dock", "draw"):
+    for leg in ("stow", "retract", "dock", "undock"):
         assert 0.03 < fast[leg] <= cell.policy.slot_speed == 0.05
         moved = plan.arms[0].leg(leg)
         quick = with_leg(plan, "right", leg, q=moved.q, t=np.asarray(moved.t) * 0.8)
@@ -91,7 +84,7 @@ def test_a_slower_slot_speed_is_kept(cell: Cell) -> None:
     slow = replace(cell, policy=replace(cell.policy, slot_speed=0.02))
     made = plan_tool_change(slow, "right", "wide_cup")
     assert made.proof is not None and made.proof.holds
-    assert max(b.point for b in made.proof.speeds if b.leg in ("stow", "draw")) <= 0.02
+    assert max(b.point for b in made.proof.speeds if b.leg in ("stow", "undock")) <= 0.02
 
 
 def test_an_arm_whose_jerk_is_limited_changes_no_tool(cell: Cell) -> None:

@@ -9,10 +9,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from bending import with_leg
+from tool_changing import change_plan, changer_cell, objections
 
-from workbench.app.empty_hand.tool_change import plan_tool_change
-from workbench.formats.cells.reading import read_cell
-from workbench.formats.files.shipped import find
 from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Box, Floats, Solid
 from workbench.model.motion import TOOL_LEGS
@@ -28,7 +26,7 @@ SLACK = 0.0005
 
 STEP = np.deg2rad(2.0)
 
-CARRIES = {"reach": "old", "stow": "old", "draw": "new", "home": "new"}
+CARRIES = {"reach": "old", "stow": "old", "undock": "new", "home": "new"}
 
 Case = tuple[Cell, Plan]
 Bend = Callable[[Cell, Plan, np.random.Generator], Case]
@@ -36,18 +34,12 @@ Bend = Callable[[Cell, Plan, np.random.Generator], Case]
 
 @pytest.fixture(scope="module")
 def cell() -> Cell:
-    return read_cell(find("robots", "tx2_90") / "tool_changer.toml")
+    return changer_cell()
 
 
 @pytest.fixture(scope="module")
 def plan(cell: Cell) -> Plan:
-    made = plan_tool_change(cell, "right", "wide_cup").plan
-    assert made is not None
-    return made
-
-
-def objections(cell: Cell, plan: Plan) -> str:
-    return "\n".join(map(str, prove(cell, plan.scene, plan).violations))
+    return change_plan(cell)
 
 
 def leg_with(plan: Plan, name: str, q: Floats, *, slower: float = 5.0) -> Plan:
@@ -132,7 +124,7 @@ def test_another_direction_than_that_of_the_slot_is_refused(cell: Cell, plan: Pl
     for leave in ([0.0, 0.0, 1.0], [0.3, -1.0, 0.0]):
         way = np.array(leave) / np.linalg.norm(leave)
         said = objections(*with_slots(cell, plan, lambda slot, way=way: replace(slot, leave=way)))
-        assert "leg stow: does not go as the slot" in said and "leg draw" in said
+        assert "leg stow: does not go as the slot" in said and "leg undock" in said
 
 
 # -- bent at random, and judged by Coal --------------------------------------------------------
@@ -152,7 +144,7 @@ def beside_a_slot(cell: Cell, plan: Plan, draw: np.random.Generator) -> Case:
     """All of a visit to a slot is turned a little about the robot's foot."""
     off = np.zeros(6)
     off[0] = draw.normal() * 10 ** draw.uniform(-4.0, -1.0)
-    names = (("stow", "retract"), ("dock", "draw"))[draw.integers(2)]
+    names = (("stow", "retract"), ("dock", "undock"))[draw.integers(2)]
     before, after = (("reach", "cross"), ("cross", "home"))[names[0] == "dock"]
     for name in names:
         plan = leg_with(plan, name, np.asarray(plan.arms[0].leg(name).q) + off)
@@ -173,7 +165,7 @@ def turned_round(cell: Cell, plan: Plan, draw: np.random.Generator) -> Case:
     arm = plan.arms[0]
     names, free = (
         (("stow", "retract"), ("reach", "cross")),
-        (("dock", "draw"), ("cross", "home")),
+        (("dock", "undock"), ("cross", "home")),
     )[draw.integers(2)]
     first, last = (np.asarray(arm.leg(name).q) for name in names)
     there, back = (np.array(arm.leg(name).q) for name in free)
@@ -307,7 +299,7 @@ def refusals(cell: Cell, plan: Plan) -> Iterator[str]:
     for leg in legs:
         carries = {"old": tools[old], "new": tools[new]}.get(CARRIES.get(leg.name, ""))
         slot = {"stow": slots[old], "retract": slots[old]}.get(leg.name, slots[new])
-        straight, at = leg.name in ("stow", "retract", "dock", "draw"), leg.q[0]
+        straight, at = leg.name in ("stow", "retract", "dock", "undock"), leg.q[0]
         if straight:
             at, end = leg.q[0], leg.q[-1]
             if leg.name in ("stow", "dock"):

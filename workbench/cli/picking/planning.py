@@ -43,7 +43,7 @@ from workbench.model.plan import Plan, PlanResult
 from workbench.model.recipes.recipe import NO_RECIPE
 from workbench.model.robot import HOME
 from workbench.model.scan import Detection, Scene, Unexplained
-from workbench.model.tools.slots import slot_of
+from workbench.model.tools.slots import arm_with_slot
 from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
 
@@ -78,9 +78,7 @@ def _plan_tool_change(typed: arguments.PlanArguments, tool: str) -> int:
     cell = _chosen(typed)
     if typed.protocol is not None:
         cell = spoken_to_by(cell, typed.protocol)
-    arm = typed.strategy or next(
-        (arm.name for arm in cell.arms if slot_of(arm, tool) is not None), cell.arms[0].name
-    )
+    arm = typed.strategy or arm_with_slot(cell, tool)
     with progress("plan") as report:
         make_ready(report, ("planning",))
         ready, began = seconds_since_start(), time.perf_counter()
@@ -227,7 +225,7 @@ def around_in(
     detections: tuple[Detection, ...],
     standing: tuple[Detection, ...] = (),
 ) -> Unexplained:
-    """What a scan in a file shows beside the parts; nothing without a scan.
+    """What a scan in a file shows besides the parts; nothing without a scan.
 
     Args:
         cell: bin and fixtures.

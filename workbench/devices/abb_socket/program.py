@@ -25,7 +25,7 @@ Hand = Literal["open", "grip", "keep", "uncouple", "couple"]
 LoadOf = Literal["tool", "part", "next"]
 """Of the tool, the part that it takes, or the tool that it is changed for."""
 
-COUPLING: Mapping[str, Hand] = {"retract": "uncouple", "draw": "couple"}
+COUPLING: Mapping[str, Hand] = {"retract": "uncouple", "undock": "couple"}
 """What happens to the tool before a leg."""
 
 MOST_POINTS = 400

@@ -104,7 +104,7 @@ def _read_view(table: Table, T_scanner_table: pin.SE3 | None) -> tuple[Path, pin
     name = table.text("file")
     path = table.path.parent / name
     if not is_file(path):
-        raise table.error("file", f"there is no file {name!r} beside {VIEWS_FILE}")
+        raise table.error("file", f"there is no file {name!r} in the folder of {VIEWS_FILE}")
     if T_scanner_table is None:
         matrix = table.numbers("T_model_scanner", 16, low=-1e6, high=1e6).reshape(4, 4)
         matrix[:3, 3] /= 1000

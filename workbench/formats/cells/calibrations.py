@@ -164,7 +164,7 @@ def _pose(table: Table, cell: Cell, arm: Arm) -> ScannedPose:
     name = table.text("scan")
     scan = table.path.parent / name
     if not is_file(scan):
-        raise table.error("scan", f"there is no file {name!r} beside {CALIBRATION_FILE}")
+        raise table.error("scan", f"there is no file {name!r} in the folder of {CALIBRATION_FILE}")
     count = len(arm.joints)
     shown = table.numbers("joints_deg", count, low=-MOST_SHOWN, high=MOST_SHOWN)
     table.finish()

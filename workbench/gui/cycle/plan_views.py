@@ -97,5 +97,5 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
 
 
 def _tightness(clearance: float, margin: float) -> str:
-    """The class of a clearance [m], beside the margin [m] that is asked for."""
+    """The class of a clearance [m], by the margin [m] that is asked for."""
     return "wb-tight" if clearance < TIGHT * margin else "wb-clear"

@@ -43,7 +43,7 @@ COLOUR_SHARES: Mapping[str, float] = {
     "retract": 1.0,
     "cross": 0.55,
     "dock": 0.75,
-    "draw": 1.0,
+    "undock": 1.0,
 }
 """How much of the arm's colour a leg has, by its name on the page: legs that follow differ."""
 

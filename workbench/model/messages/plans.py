@@ -18,7 +18,7 @@ class LegText(Text, subject="leg"):
     RETRACT = "retract"
     CROSS = "cross"
     DOCK = "dock"
-    DRAW = "draw"
+    UNDOCK = "undock"
 
 
 class StepText(Text, subject="step"):

@@ -1,4 +1,4 @@
-"""What a scan shows of a part of an assembly, onto which another one shall come."""
+"""What a scan shows of a part of an assembly, onto which another one comes."""
 
 import enum
 from dataclasses import dataclass, field

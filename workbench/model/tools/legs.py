@@ -6,7 +6,7 @@ from workbench.model.plan import ArmPlan
 BARE_LEGS: frozenset[LegName] = frozenset({"retract", "cross", "dock"})
 """Legs without any tool."""
 
-NEW_TOOL_LEGS: frozenset[LegName] = frozenset({"draw", "home"})
+NEW_TOOL_LEGS: frozenset[LegName] = frozenset({"undock", "home"})
 """Legs with the tool that it has taken, in a plan that changes one."""
 
 

@@ -50,6 +50,12 @@ def slot_of(arm: Arm, tool: str) -> ToolSlot | None:
     return next((slot for slot in arm.tool_slots if slot.tool == tool), None)
 
 
+def arm_with_slot(cell: Cell, tool: str) -> str:
+    """The name of the first arm that has a slot for a tool; where none has, of the first arm."""
+    having = (arm.name for arm in cell.arms if slot_of(arm, tool) is not None)
+    return next(having, cell.arms[0].name)
+
+
 def stands_in_slot(arm: Arm, tool: str) -> bool:
     """Whether a tool has a slot, and stands there since the arm carries another one or none."""
     return tool != arm.tool.name and slot_of(arm, tool) is not None

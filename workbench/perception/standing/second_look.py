@@ -177,8 +177,8 @@ def _view_of(scan: Scan, cell: Cell, part: Part, T_world_part: pin.SE3) -> _View
     distance = float(np.linalg.norm(eye - middle))
     towards = (eye - middle) / distance
     R = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), towards).matrix()
-    beside = surface.diameter + 4 * MOST_SHIFT
-    size = np.array([beside, beside, BEHIND + surface.diameter / 2 + MOST_SHIFT])
+    width = surface.diameter + 4 * MOST_SHIFT
+    size = np.array([width, width, BEHIND + surface.diameter / 2 + MOST_SHIFT])
     box = Bin(pin.SE3(R, middle - BEHIND * towards), size, has_walls=False)
     noise = sensor_model(scan.points).deviation(distance, otherwise=cell.scanner.depth_noise)
     # Nothing of this box is a floor: what lies beneath the part is measured like anything else.

@@ -111,7 +111,7 @@ def _legs(worlds: _Worlds, old: str, new: str, seed: int) -> tuple[Leg, ...] | V
     """The legs for the first postures at both slots between which there are free paths."""
     name, arm = worlds.arm, worlds.bare.arm(worlds.arm)
     visits: list[list[_Visit]] = []
-    for tool, carrying, leg in ((old, worlds.old, "stow"), (new, worlds.new, "draw")):
+    for tool, carrying, leg in ((old, worlds.old, "stow"), (new, worlds.new, "undock")):
         slot = slot_of(arm, tool)
         assert slot is not None
         found = list(_visits(carrying, worlds.bare, name, slot, seed))
@@ -143,7 +143,7 @@ def _legs(worlds: _Worlds, old: str, new: str, seed: int) -> tuple[Leg, ...] | V
                 "stow": there.carrying[::-1],
                 "retract": there.bare,
                 "dock": here.bare[::-1],
-                "draw": here.carrying,
+                "undock": here.carrying,
             }
             return _timed(worlds, free | straight)
     return refusal
@@ -151,7 +151,7 @@ def _legs(worlds: _Worlds, old: str, new: str, seed: int) -> tuple[Leg, ...] | V
 
 def _timed(worlds: _Worlds, paths: Mapping[LegName, Floats]) -> tuple[Leg, ...]:
     """The legs along their paths (m, n) [rad], each with what the arm carries on it."""
-    of = {"reach": worlds.old, "stow": worlds.old, "draw": worlds.new, "home": worlds.new}
+    of = {"reach": worlds.old, "stow": worlds.old, "undock": worlds.new, "home": worlds.new}
     legs: list[Leg] = []
     for name in TOOL_LEGS:
         world = of.get(name, worlds.bare)

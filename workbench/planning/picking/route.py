@@ -41,7 +41,7 @@ MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
     "retract": "linear",
     "cross": "joint",
     "dock": "linear",
-    "draw": "linear",
+    "undock": "linear",
 }
 
 STRAIGHT_REASONS: Mapping[LegName, Reason] = {

@@ -29,7 +29,7 @@ NEAR_MARGIN_LEGS: frozenset[LegName] = frozenset((*SLOT_LEGS, "approach", "extra
 parts, and at the slot of a tool; the place leg is linear but keeps `margin`."""
 
 
-FIRST_LEGS: frozenset[LegName] = frozenset({"reach", "view", "draw"})
+FIRST_LEGS: frozenset[LegName] = frozenset({"reach", "view", "undock"})
 """Legs of an arm before which nobody knows where its fingers are."""
 
 

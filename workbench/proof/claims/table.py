@@ -48,7 +48,6 @@ ABOVE_CONTENT = "above_bin_content"
 TOUCH = 1e-6
 """[m] What touches may seem this far apart by rounding."""
 
-
 DEEPEST_IN_SLOT = 0.0005
 """[m] Tool and flange may be this deep in what they touch in a slot."""
 
@@ -72,7 +71,7 @@ class Situation:
     take.  `fingers_move_at`: the detection around which fingers close or open now; contacts with
     it are not compared then.  `placed_now`: the detection that is on its last straight motion to
     its place.  `stirs`: the arm that stirs the parts.  `slot`: the fixtures that tool and flange
-    may touch on the straight way into the slot of a tool, or out of it.
+    may touch on the linear legs at the slot of a tool.
     """
 
     moves: Bools
@@ -184,11 +183,8 @@ class PairTable(BodyPairs):
 
     def _at_slot(self, now: Situation, a: Ints, b: Ints) -> Bools:
         """Which pairs (p,) are of tool or flange of an arm and what they may touch at a slot."""
-        in_slot, number = (
-            np.isin(self._fixture, sorted(now.slot)),
-            self._arm_numbers.get(now.near_arm),
-        )
-        couples = self._couples & (self._carrier == number)
+        in_slot = np.isin(self._fixture, sorted(now.slot))
+        couples = self._couples & (self._carrier == self._arm_numbers.get(now.near_arm))
         return (in_slot[a] & couples[b]) | (in_slot[b] & couples[a])
 
     def _mates(self, number: int) -> tuple[Bools, float]:

@@ -19,7 +19,7 @@ STRETCHES: tuple[tuple[LegName, ...], ...] = (
     ("reach", "stow"),
     ("retract",),
     ("cross", "dock"),
-    ("draw", "home"),
+    ("undock", "home"),
 )
 """The legs of each stretch."""
 

@@ -37,7 +37,7 @@ from workbench.model.messages.states import ClearanceText, StateText
 from workbench.model.motion import floor_distance
 from workbench.model.plan import PlanResult
 from workbench.model.robot import HOME
-from workbench.model.tools.slots import change_problem, slot_of
+from workbench.model.tools.slots import arm_with_slot, change_problem
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
@@ -120,8 +120,7 @@ class PlanToolChange(Command):
 
     def arm_in(self, cell: Cell) -> str:
         """The name of the arm that is meant."""
-        having = (arm.name for arm in cell.arms if slot_of(arm, self.tool) is not None)
-        return self.arm or next(having, cell.arms[0].name)
+        return self.arm or arm_with_slot(cell, self.tool)
 
 
 def stir_refusal(state: State) -> Message | None:

@@ -60,6 +60,6 @@ def _displacement(tool: Tool, T: pin.SE3, other: pin.SE3) -> float:
 def _way(slot: ToolSlot, leg: LegName) -> Floats:
     """How far (3,) [m] the flange goes in the world on a straight leg at a slot."""
     out = -slot.T_world_flange.rotation[:, 2]
-    if leg in ("stow", "draw"):
+    if leg in ("stow", "undock"):
         out = np.asarray(slot.leave) / np.linalg.norm(slot.leave)
     return (-slot.distance if leg in INTO_SLOT else slot.distance) * out
