@@ -68,7 +68,7 @@ def test_after_a_good_end_the_arm_carries_the_new_tool_and_no_scan_counts(cell, 
     assert state.phase is Phase.IDLE and state.plan is None and not state.tools_unknown
     assert state.cell.arm("right").tool.name == "wide_cup" and not state.is_saved
     assert any(isinstance(effect, UseCell) for effect in line.effects)
-    assert "carries wide_cup now" in str(state.message)
+    assert "carries wide_cup now" in str(state.message) and state.stale is None
     assert "carries wide_cup already" in refused(line, PlanToolChange("wide_cup"))
     line.do(PlanToolChange("suction_cup"))
 

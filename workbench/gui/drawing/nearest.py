@@ -23,7 +23,7 @@ from workbench.model.cell import MOST_PICKS
 from workbench.model.derived.row_parts import label_in
 from workbench.model.messages.message import Message, found_part
 from workbench.model.messages.plans import leg_message
-from workbench.model.motion import floor_distance
+from workbench.model.motion import SLOT_LEGS, floor_distance
 from workbench.model.plan import Plan, Proof, Proven
 from workbench.proof.claims.clearance import linear_clearance
 from workbench.proof.claims.spot import Spot
@@ -107,7 +107,8 @@ def _straight_message(state: State, proof: Proof) -> Message:
     near = LabelText.AT_LEAST(distance=floor_distance(bound))
     if bound < TOUCH:
         near = LabelText.TOUCHING()
-    return NearestText.LINEAR(
+    text = NearestText.AT_SLOT if leg in SLOT_LEGS else NearestText.LINEAR
+    return text(
         near=near, arm=arm, leg=leg_message(leg), margin=margin, resolution=proof.resolution
     )
 

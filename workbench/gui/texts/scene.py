@@ -17,6 +17,10 @@ class NearestText(Text, subject="page-nearest"):
         "{near}, {arm} arm on {leg} (required: {margin:mm}, checked to within {resolution:mm}; "
         "without the part taken and its support)"
     )
+    AT_SLOT = (
+        "{near}, {arm} arm on {leg} (required: {margin:mm}, checked to within {resolution:mm}; "
+        "without tool and flange in the slot)"
+    )
     PLANS = "plan {number}"
     CERTIFICATE = "certificate-{digest}.json"
 

@@ -221,7 +221,9 @@ def with_new_tool(before: State, after: State, ended: SendingEnd) -> Changed:
         unknown = (*(arm for arm in after.tools_unknown if arm != changed.arm), changed.arm)
         return replace(after, tools_unknown=unknown), ()
     message = StateText.TOOL_CHANGED(arm=changed.arm, tool=changed.tool)
-    return with_carried(after, changed.arm, changed.tool, message)
+    with_tool, effects = with_carried(after, changed.arm, changed.tool, message)
+    # The plan was carried out: that it no longer fits the cell is no news.
+    return replace(with_tool, stale=None), effects
 
 
 def plan_path(state: State, entry: Entry, *, view: str = "", seed: int = 0) -> Begun:
