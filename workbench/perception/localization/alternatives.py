@@ -27,6 +27,9 @@ they say."""
 NEARBY = np.deg2rad([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
 """[rad] Turns beside the pose that are compared with it."""
 
+FINE = np.deg2rad(np.linspace(-8.0, 8.0, 33))
+"""[rad] Turns about the near-symmetry axis by which the outline is compared."""
+
 SAME_TURN = float(np.deg2rad(3.0))
 """[rad] A pose that is turned by less is as right as the true one."""
 
@@ -93,3 +96,33 @@ def share_nearby(
     beside = weights(own, np.array(others))
     is_same = np.abs(NEARBY) < SAME_TURN
     return float((1.0 + beside[is_same].sum()) / (1.0 + beside.sum()))
+
+
+def turn_by_outline(
+    depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+) -> tuple[Floats, float]:
+    """A pose (4, 4) [m] turned about its near-symmetry axis to where the outline has it.
+
+    The faces of a nut that lies flat look alike at every turn, its six corners do not.
+
+    Args:
+        depth_map: the scan.
+        surface: one that has such an axis.
+        pose: (4, 4) [m] that was found.
+        tolerance: [m] see `sightings.look`.
+
+    Returns:
+        The pose, and the standard deviation [rad] of its turn.
+    """
+    assert surface.symmetry.axis is not None
+    point, axis = surface.symmetry.axis
+    turns = np.tile(np.eye(4), (len(FINE), 1, 1))
+    turns[:, :3, :3] = [pin.exp3(angle * axis) for angle in FINE]
+    turns[:, :3, 3] = point - turns[:, :3, :3] @ point
+    tallies = tally(depth_map, surface, pose @ turns, tolerance)
+    likely = weights(tallies[closeness(tallies).argmax()], tallies)
+    likely /= likely.sum()
+    turn = float(likely @ FINE)
+    deviation = float(np.sqrt(likely @ (FINE - turn) ** 2))
+    R = pin.exp3(turn * axis)
+    return pose @ pin.SE3(R, point - R @ point).homogeneous, deviation

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.model.geometry import Floats, frozen, put
-from workbench.perception.localization.alternatives import is_better, weights
+from workbench.perception.localization.alternatives import is_better, turn_by_outline, weights
 from workbench.perception.localization.certainty import count_shared
 from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
 from workbench.perception.localization.settling import is_constrained, refine_poses, roll_error
@@ -47,6 +47,10 @@ turned about the axis, which may have to be shifted along a thread."""
 
 ROLL_ERROR = float(np.deg2rad(1.0))
 """[rad] A roll whose standard error is larger counts as unknown."""
+
+OUTLINE_ERROR = float(np.deg2rad(1.75))
+"""[rad] And one that the outline alone holds.  Of 140 spacers on their ends, as five kinds of
+scanner see them, 114 had less, and 113 of these were right to within 3 degrees."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,9 +111,15 @@ def assess(
         gap = max(0.0, float(gains(own[None])[0] - gains(np.array(rest)).max()))
         gap /= max(sighting.shown, 1)
     turned = np.array(rest[1:]).reshape(-1, 4)
-    is_known = len(turns) == 0 or _is_roll_known(
-        depth_map, surface, pose, sighting, own, turned, tolerance
-    )
+    is_known = len(turns) == 0
+    if not is_known and len(sighting.explained) > 0 and is_better(own, turned):
+        is_known = _do_faces_hold_roll(depth_map, surface, pose, sighting, tolerance)
+        if not is_known:
+            at_outline, error = turn_by_outline(depth_map, surface, pose, tolerance)
+            is_known = error < OUTLINE_ERROR
+            pose = at_outline if is_known else pose
+            sighting = look(depth_map, surface, pose, tolerance)
+            own = tally(depth_map, surface, pose[None], tolerance)[0]
     is_round = surface.symmetry.axis is not None
     # Where the roll is not known, all turns about the axis are one pose.
     flips = others[~is_turn][: 1 if is_round else MOST_SHARING]
@@ -203,18 +213,10 @@ def refine_at_full_resolution(
     return refine_poses(depth_map, surface, poses, tolerance, steps)
 
 
-def _is_roll_known(
-    depth_map: DepthMap,
-    surface: PartSurface,
-    pose: Floats,
-    sighting: Sighting,
-    own: Floats,
-    turned: Floats,
-    tolerance: float,
+def _do_faces_hold_roll(
+    depth_map: DepthMap, surface: PartSurface, pose: Floats, sighting: Sighting, tolerance: float
 ) -> bool:
-    """Whether the tallies (k, 4) of other turns are clearly worse, and the fit holds this one."""
-    if len(sighting.explained) == 0 or not is_better(own, turned):
-        return False
+    """Whether the points on a part's faces say how far it is turned about its axis."""
     alike = count_shared(sighting, depth_map.depth.shape[1])
     deviation = float(np.sqrt(alike * np.mean(sighting.off**2)))
     return roll_error(depth_map, surface, pose, tolerance, deviation) < ROLL_ERROR
