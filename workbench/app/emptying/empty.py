@@ -2,19 +2,18 @@
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-
-import numpy as np
+from dataclasses import dataclass, replace
 
 from workbench.app.core.cycle.outcomes import AVOID_SCANS, MOST_FAILURES
 from workbench.app.core.value_checks import SEED_LIMIT
-from workbench.app.emptying.assemblies import TRUE_POSES, Assembled, kits_possible
+from workbench.app.emptying.assemblies import TRUE_POSES, kits_possible
 from workbench.app.emptying.bound import bound_of, holdable
-from workbench.app.emptying.film import FilmedPick, Shot, unseen
+from workbench.app.emptying.carrying import carry_out_plan
+from workbench.app.emptying.film import Shot, unseen
 from workbench.app.emptying.looking import from_next_view, scan_pile
 from workbench.app.emptying.remaining_parts import as_seen, left_alone, left_in, summarize
 from workbench.app.emptying.stirring import stir_pile
-from workbench.app.emptying.taking import carried_out, failure, in_turn
+from workbench.app.emptying.tally import Tally, counts_of
 from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.pile_check import kinds_in_turn
 from workbench.app.picking.row import plan_row
@@ -26,13 +25,11 @@ from workbench.model.derived.by_recipe import kit_of, wanted_parts
 from workbench.model.derived.by_view import views_of
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.work import CancelText, ProgressText
-from workbench.model.plan import Plan, PlanResult
-from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
+from workbench.model.plan import PlanResult
+from workbench.model.prediction import EmptiedPile, PileTask
 from workbench.model.scan import Detection, Scene, SearchOverrides, Unexplained
 from workbench.perception.scene.unexplained import look_around
 from workbench.perception.simulation.piles import drop_parts
-from workbench.perception.simulation.unloading import is_in_bin, unloaded
-from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.localizer import find_parts
 from workbench.plugins.progress import Cancelled, Report, never, silent
@@ -42,31 +39,6 @@ IDLE = 3
 
 SEEDS = 1000
 """Each pile has this many seeds for its looks; no bin takes as many."""
-
-
-@dataclass(slots=True)
-class _Tally:
-    """What has happened so far with one pile."""
-
-    taken: int = 0
-    rolled: int = 0
-    failed: Counter[str] = field(default_factory=Counter[str])
-    touches: int = 0
-    knocked_out: int = 0
-    cycles: int = 0
-    scans: int = 0
-    motion: float = 0.0
-    planning: list[float] = field(default_factory=list[float])
-    stages: Counter[str] = field(default_factory=Counter[str])
-    finding: float = 0.0
-    seen: tuple[Detection, ...] = ()
-    known: Scene = field(default_factory=lambda: Scene("", ()))
-    stirs: int = 0
-    outcomes: list[str] = field(default_factory=list[str])
-    beside: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
-    warned_picks: int = 0
-    warned_touches: int = 0
-    assembled: Assembled = field(default_factory=Assembled)
 
 
 def empty_pile(
@@ -98,7 +70,7 @@ def empty_pile(
         JobCancelled: `cancelled` said so.
     """
     lying = list(enumerate(pile))
-    tally = _Tally()
+    tally = Tally()
     refusal: Verdict | None = None
     result: PlanResult | None = None
     avoided: list[tuple[Detection, int]] = []
@@ -143,13 +115,11 @@ def empty_pile(
         idle = stirs = 0
         tally.cycles += 1
         for plan in result.plans:
-            before = tuple(lying)
-            missed, picks = _carry_out(cell, task, plan, lying, tally)
-            film(Shot(plan, before, picks))
+            shot, missed = carry_out_plan(cell, task, plan, lying, tally)
+            film(shot)
             failures = failures + len(missed) if len(missed) == len(plan.arms) else 0
             avoided += [(plan.detections[number], AVOID_SCANS) for number in missed]
             if missed:
-                # Whatever is in doubt ends a row.
                 break
         else:
             last = result.plans[-1]
@@ -169,7 +139,7 @@ class _End:
 
 
 def _record_pile(
-    cell: Cell, task: PileTask, tally: _Tally, end: _End, *, estimates: bool
+    cell: Cell, task: PileTask, tally: Tally, end: _End, *, estimates: bool
 ) -> EmptiedPile:
     """The record of an emptied pile, with the reason why each part is left."""
     known = as_seen(end.lying, tally.seen)
@@ -195,7 +165,7 @@ def _record_pile(
         task,
         task.count,
         tally.taken,
-        _counts(tally.failed),
+        counts_of(tally.failed),
         tally.touches,
         tally.knocked_out,
         tally.cycles,
@@ -218,15 +188,6 @@ def _record_pile(
     )
 
 
-def _counts(failed: Counter[str]) -> tuple[int, ...]:
-    """Failed picks by kind, the last one only where there are any: as before there was that kind.
-
-    So what is recorded in sessions stays the same in cells whose grips nobody weighs.
-    """
-    counts = tuple(failed[kind] for kind in FAILURES)
-    return counts if counts[-1] else counts[:-1]
-
-
 def fallen(plain: Cell, cell: Cell, task: PileTask) -> tuple[Detection, ...]:
     """The task's parts in the bin of `cell`, lying in it as they fall into that of `plain`.
 
@@ -247,7 +208,7 @@ def _look_and_plan(
     task: PileTask,
     lying: Sequence[Detection],
     avoided: Sequence[tuple[Detection, int]],
-    tally: _Tally,
+    tally: Tally,
     *,
     seed: int,
     cancelled: Cancelled,
@@ -276,8 +237,7 @@ def _look_and_plan(
     if not detections:
         return cell, None
     result = plan_row(
-        # What is simulated is how parts are taken from the bin.
-        replace(cell, stations=()) if cell.stations else cell,
+        cell,
         detections,
         digest,
         picks=task.picks,
@@ -297,7 +257,7 @@ def _look_and_plan(
 def _stir(
     cell: Cell,
     lying: list[tuple[int, Detection]],
-    tally: _Tally,
+    tally: Tally,
     seed: int,
     film: Callable[[Shot], None],
 ) -> bool:
@@ -312,50 +272,3 @@ def _stir(
     lying[:] = shot.after
     film(shot)
     return True
-
-
-def _carry_out(
-    cell: Cell, task: PileTask, plan: Plan, lying: list[tuple[int, Detection]], tally: _Tally
-) -> tuple[list[int], tuple[FilmedPick, ...]]:
-    """Take the plan's parts out of `lying`; the detections whose picks failed, and all picks."""
-    tally.motion += plan.cycle_seconds
-    failed: list[int] = []
-    picks: list[FilmedPick] = []
-    for arm_plan in in_turn(plan):
-        truth = [detection for _, detection in lying]
-        taking = carried_out(cell, truth, arm_plan, plan.detections[arm_plan.detection])
-        tally.touches += taking.touches
-        if plan.goes_unseen:
-            tally.warned_picks += 1
-            tally.warned_touches += taking.touches
-        kind = failure(taking, plan.detections[arm_plan.detection])
-        tally.outcomes.append(kind)
-        if kind:
-            tally.failed[kind] += 1
-            failed.append(arm_plan.detection)
-        else:
-            tally.taken += 1
-            tally.rolled += taking.is_turned
-            tally.assembled.add(cell, task, plan, arm_plan)
-        if taking.number is None:
-            picks.append(FilmedPick(arm_plan.arm, None, arm_plan.T_tcp_part, kind, tuple(lying)))
-            continue
-        number, gripped = lying[taking.number]
-        q_grasp = np.asarray(arm_plan.leg("approach").q[-1])
-        T_world_tcp = chain_of(cell, cell.arm(arm_plan.arm)).pose(q_grasp)
-        rest = [entry for k, entry in enumerate(lying) if k != taking.number]
-        if task.settles:
-            settled = unloaded(cell, truth, taking.number, taking.way)
-            rest = [
-                (number, detection) for (number, _), detection in zip(rest, settled, strict=True)
-            ]
-        stays = [
-            (number, detection)
-            for number, detection in rest
-            if is_in_bin(cell.bin, cell.part(detection.part), detection.T_world_part)
-        ]
-        tally.knocked_out += len(rest) - len(stays)
-        lying[:] = stays
-        T_tcp_part = T_world_tcp.actInv(gripped.T_world_part)
-        picks.append(FilmedPick(arm_plan.arm, number, T_tcp_part, kind, tuple(stays)))
-    return failed, tuple(picks)

@@ -18,7 +18,8 @@ class FilmedPick:
 
     `number` is that of the part on which the hand closed, None when there was none, and
     `T_tcp_part` how that part lies in it.  `outcome` is the kind of failure, empty for a part
-    taken; `after` is how the rest lies once it was lifted and all is at rest again.
+    taken; `after` is how the rest lies once it was lifted and all is at rest again.  On a `station`
+    the next shot takes the part.
     """
 
     arm: str
@@ -26,6 +27,12 @@ class FilmedPick:
     T_tcp_part: pin.SE3
     outcome: str
     after: Numbered
+    station: str = ""
+
+    @property
+    def is_taken(self) -> bool:
+        """Whether the part has come to a place."""
+        return not self.outcome and not self.station
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,6 +15,7 @@ from workbench.model.messages.verdicts import StationNote, VerdictNote
 from workbench.model.messages.work import ProgressText
 from workbench.model.plan import Plan, PlanResult, Proven
 from workbench.model.scan import Scene
+from workbench.planning.placing.assembling import held_error
 from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.progress import Cancelled, Report, never, silent, within
 from workbench.proof.claims.prove import prove, scene_after
@@ -151,7 +152,7 @@ def _plan_both(
     first = Proven(plan, prove(cell, scene, plan))
     if not first.proof.holds:
         return StationNote.REFUSED_TO(violation=first.proof.violations[0].message)
-    after = scene_after(cell, plan)
+    after = _as_put(cell, plan, scene_after(cell, plan))
     result = plan_pick(
         cell,
         after.detections,
@@ -167,6 +168,13 @@ def _plan_both(
     if not second.proof.holds:
         return StationNote.REFUSED_FROM(violation=second.proof.violations[0].message)
     return first, second
+
+
+def _as_put(cell: Cell, plan: Plan, after: Scene) -> Scene:
+    """The scene after a plan onto a station, with how far the part there may be off."""
+    (arm_plan,), (*others, standing) = plan.arms, after.detections
+    error = held_error(cell, plan.detections[arm_plan.detection], arm_plan)
+    return replace(after, detections=(*others, replace(standing, placing=error)))
 
 
 def _as_in(cell: Cell, plan: Plan, station: str, note: Message) -> Plan:

@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
+from workbench.app.picking.pallets import boxes_around
 from workbench.model.candidate import Candidate, Pick, Reason, Verdict
 from workbench.model.cell import Cell, Policy
-from workbench.model.derived.assembling import assembled_kinds
+from workbench.model.derived.assembling import assembled_kinds, assembled_pose
+from workbench.model.derived.by_recipe import kit_of, with_recipe
 from workbench.model.derived.by_tcp import by_each_tcp, by_plan
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import Floats
@@ -19,7 +21,8 @@ from workbench.model.messages.parts import StationText
 from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.part import PartPlace, Station
 from workbench.model.plan import ArmPlan, Plan
-from workbench.model.scan import Detection, Scene
+from workbench.model.recipes.recipe import NO_RECIPE
+from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.resting import resting_poses
 from workbench.planning.kinematics.robot import Kinematics
@@ -158,20 +161,48 @@ class StationSearch:
 
 
 def station_problems(cell: Cell) -> Iterator[Message]:
-    """What speaks against the stations of a cell: those from which no part can be taken anew."""
-    arms = [arm.name for arm in cell.arms]
-    scene = Scene("", ())
-    search = StationSearch(cell, scene, cell.policy, arms, 0, math.inf, never)
+    """What speaks against the stations of a cell: those from which no part can be taken anew.
+
+    Where the cell has recipes, a part that can be by one of them is no problem.
+    """
+    cells = [with_recipe(cell, recipe.number) for recipe in cell.recipes] or [cell]
     for station in cell.stations:
         for part in cell.parts:
-            poses = resting_poses(part)
-            looked = [search.stand(part.name, station, T) for T in poses]
-            problems = [found for found in looked if isinstance(found, Message)]
-            where = {"station": station.name, "part": part.name}
-            if not poses:
-                yield StationText.PROBLEM(**where, problem=StationText.UNSTABLE())
-            elif len(problems) == len(looked):
-                yield StationText.PROBLEM(**where, problem=max(problems, key=problems.count))
+            by = [each for each in cells if part.name in [known.name for known in each.parts]]
+            found = [_station_problem(each, station, part.name) for each in by]
+            problems = [problem for problem in found if problem is not None]
+            if problems and len(problems) == len(found):
+                yield StationText.PROBLEM(station=station.name, part=part.name, problem=problems[0])
+
+
+def _station_problem(cell: Cell, station: Station, kind: str) -> Message | None:
+    """Why no part of a kind can be taken anew from a station; None where one can."""
+    arms, around = [arm.name for arm in cell.arms], standing_before(cell, kind)
+    search = StationSearch(cell, Scene("", (), around), cell.policy, arms, 0, math.inf, never)
+    poses = resting_poses(cell.part(kind))
+    if not poses:
+        return StationText.UNSTABLE()
+    looked = [search.stand(kind, station, T) for T in poses]
+    problems = [found for found in looked if isinstance(found, Message)]
+    return max(problems, key=problems.count) if len(problems) == len(looked) else None
+
+
+def standing_before(cell: Cell, kind: str) -> tuple[Obstacle, ...]:
+    """The parts of the assembly that stand before one of a kind comes, at the first places."""
+    placed: list[Detection] = []
+    for item in kit_of(cell):
+        if item.part == kind:
+            break
+        if item.part not in assembled_kinds(cell):
+            continue
+        places = [place for arm in cell.arms for place in arm.places_for(item.part)]
+        T = places[0].T_world_part if places and item.insertion is None else None
+        if item.insertion is not None:
+            T_base = assembled_pose(cell, boxes_around(cell, placed), item.insertion.base)
+            T = None if T_base is None else T_base * item.insertion.T_base_part
+        if T is not None:
+            placed.append(Detection(item.part, T))
+    return boxes_around(cell, placed)
 
 
 def _is_on(points: Floats, station: Station) -> bool:
@@ -187,12 +218,13 @@ def _above(cell: Cell, station: Station, T_world_part: pin.SE3, margin: float) -
 
 
 def cell_with(cell: Cell, kind: str, stand: Stand, policy: Policy) -> Cell:
-    """A cell in which a part has one place: that to stand on a station."""
+    """A cell in which a part has one place: that to stand on a station, whatever is assembled."""
     above = _above(cell, stand.station, stand.T_world_part, policy.margin)
     place = (PartPlace(above, kind),)
     return replace(
         cell,
         arms=tuple(replace(arm, Ts_world_place=(), part_places=place) for arm in cell.arms),
+        recipe=NO_RECIPE,
     )
 
 

@@ -111,7 +111,7 @@ def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) 
     kinds = dict(film.fallen)
     parts = tuple(FilmPart(k, kinds[k].part, T) for k, T in sorted(poses.items()))
     before = sum(
-        not pick.outcome for earlier in reel.stretches[:number] for pick in earlier.shot.picks
+        pick.is_taken for earlier in reel.stretches[:number] for pick in earlier.shot.picks
     )
     return FilmMoment(
         moments(cell, stretch.runs, now), parts, _doing(film, stretch, now, before, number)
@@ -186,7 +186,7 @@ def _pose_in_hand(
 def _doing(film: Film, stretch: ReelStretch, now: float, taken: int, number: int) -> Message:
     """What goes on: which plan, how much is taken, and what the arms do."""
     lifted = [pick for pick in stretch.shot.picks if now >= _run(stretch, pick, "extract").end]
-    taken += sum(not pick.outcome for pick in lifted)
+    taken += sum(pick.is_taken for pick in lifted)
     actions = [_does(pick) for pick in lifted] or [_goes_to(stretch.shot)]
     if now < 0.0:
         actions = [EmptyingText.SCANS()]
@@ -220,7 +220,7 @@ def _part(number: int | None) -> FoundPart | Message:
 
 
 def _end(film: Film) -> Message:
-    taken = sum(not pick.outcome for shot in film.shots for pick in shot.picks)
+    taken = sum(pick.is_taken for shot in film.shots for pick in shot.picks)
     total, left = len(film.fallen), len(film.left)
     if left:
         return EmptyingText.END_LEFT(taken=taken, total=total, left=left)

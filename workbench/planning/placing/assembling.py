@@ -84,9 +84,14 @@ def placing_error(
         default=None,
     )
     if nest is None or nest.centred is None:
-        taking = by_taking(cell, arm_plan)
-        return budget_by(taking, found, arm_plan.arm, arm_plan.T_tcp_part.inverse()).error
+        return held_error(cell, found, arm_plan)
     return nest_error(nest)
+
+
+def held_error(cell: Cell, found: Detection, arm_plan: ArmPlan) -> PlacingError:
+    """How far a part in the hand of an arm, which has taken it as `found`, may be off."""
+    taking = by_taking(cell, arm_plan)
+    return budget_by(taking, found, arm_plan.arm, arm_plan.T_tcp_part.inverse()).error
 
 
 def nest_error(nest: PartPlace) -> PlacingError:

@@ -27,7 +27,12 @@ def calibration_error(mount: ScannerMount, detection: Detection) -> Floats:
 
 
 def moves_by_scanner(mount: ScannerMount, detection: Detection) -> Floats:
-    """How shifts and turns of the scanner move a part: `error -> moves @ error` (6, 6) [m, rad]."""
+    """How shifts and turns of the scanner move a part: `error -> moves @ error` (6, 6) [m, rad].
+
+    A part on a station has been moved by a hand since, which has taken some of that away.
+    """
+    if detection.placing is not None:
+        return _to_world(detection) @ detection.placing.by_scanner
     x, y, z = detection.T_world_part.translation - mount.T_world_scanner.translation
     moves = np.eye(6)
     moves[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
@@ -48,8 +53,16 @@ def scanner_error(mount: ScannerMount) -> Floats:
 
 
 def localization_error(detection: Detection) -> Floats:
-    """What the search leaves open (6, 6) [m, rad]."""
+    """What the search leaves open (6, 6) [m, rad]; and the hand that has put a part down since."""
+    if detection.placing is not None:
+        to_world = _to_world(detection)
+        return to_world @ detection.placing.covariance @ to_world.T
     if detection.covariance is not None:
         return np.array(detection.covariance)
     place, turn = LOCALIZATION
     return np.diag(np.square([place] * 3 + [turn] * 3))
+
+
+def _to_world(detection: Detection) -> Floats:
+    """From shifts and turns along the part's axes to those along the world's (6, 6), no unit."""
+    return np.array(np.kron(np.eye(2), detection.T_world_part.rotation), np.float64)

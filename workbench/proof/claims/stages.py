@@ -174,10 +174,16 @@ def situation_of(tree: Tree, step: MovingStep, *ones: MovingArm) -> Situation:
         now,
         near_arm=arm_motion.arm.name if arm_motion.leg.name in NEAR_MARGIN_LEGS else "",
         target=arm_motion.plan.detection if arm_motion.leg.name == "approach" else -1,
-        placed_now=arm_motion.plan.detection if arm_motion.leg.name == "place" else -1,
+        placed_now=_placed_now(arm_motion),
         stirs=arm_motion.arm.name if arm_motion.leg.name == "stir" else "",
         slot=_fixtures_at_slot(arm_motion) if arm_motion.leg.name in SLOT_LEGS else frozenset(),
     )
+
+
+def _placed_now(arm_motion: MovingArm) -> int:
+    """The detection that an arm brings to its seat; -1 on other legs, and over a station."""
+    is_seating = arm_motion.leg.name == "place" and not arm_motion.plan.station
+    return arm_motion.plan.detection if is_seating else -1
 
 
 def _fixtures_at_slot(arm_motion: MovingArm) -> frozenset[str]:
