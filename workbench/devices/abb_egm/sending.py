@@ -9,6 +9,7 @@ import select
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -74,7 +75,7 @@ class EgmSending:
         self._share, self._silence = share, silence
         self._now, self._show, self._patience = now, show, patience
         self._refs: dict[str, deque[Floats]] = {}
-        self._said: dict[str, tuple[float, ...]] = {}
+        self._orders: dict[str, wire.ModuleOrder] = {}
         # Of each arm: the order said last, that which has gone out, and that which is done.
         self._count, self._given, self._done_by = (dict.fromkeys(channels, 0) for _ in range(3))
         self._riding: tuple[str, Ride] | None = None
@@ -142,21 +143,22 @@ class EgmSending:
             feedback = channel.last
             assert feedback is not None
             self._check_state(name, feedback)
-            if len(feedback.rapid_values) < 3 or feedback.rapid_values[0] != wire.VERSION:
-                raise LinkError(DeviceText.MODULE_SILENT(arm=name))
-            self._check_new(name, feedback)
+            self._check_new(name, wire.module_of(name, feedback))
             self._check_stands(name, self._score.start(name).at(0.0)[0], DeviceText.PLAN_START())
             self._refs[name] = deque([channel.q], maxlen=LAG)
-            self._said[name] = (wire.VERSION, self._score.ticket, 0.0, float(wire.NONE), 0.0, 0.0)
+            self._orders[name] = wire.ModuleOrder(self._score.ticket)
 
     def _order(self, order: Order) -> Iterator[None]:
         """Say it until the module says that it has done it."""
         number = self._count[order.arm] = self._count[order.arm] + 1
-        words = (order.opening * 1000, float(order.holding))
-        self._said[order.arm] = (
-            wire.VERSION, self._score.ticket, float(number), float(order.command), *words,
-            0.0, *order.load,
-        )  # fmt: skip
+        self._orders[order.arm] = wire.ModuleOrder(
+            self._score.ticket,
+            number,
+            order.command,
+            order.opening * 1000,
+            order.holding,
+            load=order.load,
+        )
         began, beside = self._patience.clock(), 0
         start, goal = self._refs[order.arm][-1], self._score.start(order.arm).at(0.0)[0]
         is_done = False
@@ -178,39 +180,33 @@ class EgmSending:
         if order.command == wire.END:
             self._ended.add(order.arm)
 
-    def _check_new(self, name: str, feedback: wire.Feedback) -> None:
+    def _check_new(self, name: str, module: wire.ModuleReport) -> None:
         """The module in RAPID has not begun this plan before: neither last, nor before others."""
-        has_begun = feedback.rapid_values[1] == self._score.ticket and not self._given[name]
-        if has_begun or self._is_refused(feedback):
+        has_begun = module.ticket == self._score.ticket and not self._given[name]
+        if has_begun or module.refused == self._score.ticket:
             raise LinkError(DeviceText.RUN_BEFORE())
-
-    def _is_refused(self, feedback: wire.Feedback) -> bool:
-        return feedback.rapid_values[3:4] == (self._score.ticket,)
 
     def _check_module(self, name: str, feedback: wire.Feedback) -> None:
         """The module in RAPID reports our ticket, and of no order but the last ones."""
-        if len(feedback.rapid_values) < 3 or feedback.rapid_values[0] != wire.VERSION:
-            raise LinkError(DeviceText.MODULE_SILENT(arm=name))
-        self._check_new(name, feedback)
-        _, ticket, done = feedback.rapid_values[:3]
+        module = wire.module_of(name, feedback)
+        self._check_new(name, module)
         before, given = self._done_by[name], self._given[name]
-        if ticket != self._score.ticket:
+        if module.ticket != self._score.ticket:
             if before:
                 raise ProtocolError(f"{name}: the module in RAPID has begun another plan")
             return
-        if done not in (before, given):
+        if module.done not in (before, given):
             raise ProtocolError(
-                f"{name}: the module in RAPID reports order {done:.6g}, where {before} was done "
-                f"and {given} was given"
+                f"{name}: the module in RAPID reports order {module.done:.6g}, where {before} was "
+                f"done and {given} was given"
             )
-        self._done_by[name] = int(done)
+        self._done_by[name] = int(module.done)
 
     def _ride(self, run: LegRun) -> Iterator[None]:
         """One reference for each report, then wait until the arm stands there."""
         self._leg = run.number
         ride = Ride(run.way, self._share, wire.PERIOD_MS / 1000)
-        said = self._said[run.arm]
-        self._said[run.arm] = (*said[:6], float(run.number), *said[7:])
+        self._orders[run.arm] = replace(self._orders[run.arm], leg=run.number)
         self._check_stands(run.arm, ride.q, DeviceText.LEG_START(leg=leg_message(run.name)))
         self._riding = run.arm, ride
         settled, is_there, has_begun = 0, False, False
@@ -235,8 +231,7 @@ class EgmSending:
                     raise LinkError(DeviceText.NOT_AT_REST(arm=name, where=end))
             yield
         self._riding = None
-        said = self._said[run.arm]
-        self._said[run.arm] = (*said[:6], 0.0, *said[7:])
+        self._orders[run.arm] = replace(self._orders[run.arm], leg=0)
 
     def _hear(self) -> list[str]:
         """Arms with new reports, each of which is checked."""
@@ -310,8 +305,9 @@ class EgmSending:
 
     def _answer(self, name: str, q: Floats) -> None:
         self._refs[name].append(q)
-        self._channels[name].answer(q, self._said[name])
-        self._given[name] = int(self._said[name][2])
+        order = self._orders[name]
+        self._channels[name].answer(q, order.numbers)
+        self._given[name] = order.number
 
     def _stop(self) -> None:
         """Brake on the way, and wait for the report that the robot stands.
@@ -361,25 +357,26 @@ class EgmSending:
             self._answer(name, q)
             return False
         feedback = self._channels[name].last
-        if self._said[name][3] == wire.NONE or (
-            feedback is not None and self._is_refused(feedback)
-        ):
+        module = None if feedback is None else feedback.module
+        command, ticket = self._orders[name].command, self._score.ticket
+        if command == wire.NONE or (module is not None and module.refused == ticket):
             return True
-        if self._said[name][3] == wire.BEGIN and not self._has_done_all(name):
+        if command == wire.BEGIN and not self._has_done_all(name):
             # A module that has not begun does not know of an end.
             self._answer(name, q)
             return False
-        if self._said[name][3] != wire.END:
+        if command != wire.END:
             self._count[name] += 1
-            head = (wire.VERSION, self._score.ticket, float(self._count[name]))
-            self._said[name] = (*head, float(wire.END), 0.0, 0.0)
+            self._orders[name] = wire.ModuleOrder(ticket, self._count[name], wire.END)
         self._answer(name, q)
         return self._has_done_all(name)
 
     def _has_done_all(self, name: str) -> bool:
         feedback = self._channels[name].last
-        orders = (self._score.ticket, float(self._count[name]))
-        return feedback is not None and feedback.rapid_values[1:3] == orders
+        module = None if feedback is None else feedback.module
+        if module is None:
+            return False
+        return (module.ticket, module.done) == (self._score.ticket, self._count[name])
 
     def _report(
         self, phase: str, stopped: float | None = None, stop: Message | None = None

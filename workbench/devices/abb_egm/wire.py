@@ -72,6 +72,47 @@ FIELDS: dict[str, dict[str, tuple[int, int, str]]] = {
 REPEATED, OPTIONAL = 3, 1
 
 
+@dataclass(frozen=True, slots=True)
+class ModuleOrder:
+    """What the module of an arm in RAPID is told beside the joints, again with each reference.
+
+    `ticket` names the approval, `number` counts orders, and `command` is one of `NONE`, `BEGIN`,
+    `GRIP` and `END`.  `opening` [mm] of the fingers, 1 for `holding`; `leg` that runs, 0 between
+    legs; `load` that the arm carries from then on, see `orders.Order`.
+    """
+
+    ticket: float
+    number: int = 0
+    command: int = NONE
+    opening: float = 0.0
+    holding: bool = False
+    leg: int = 0
+    load: tuple[float, ...] = ()
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """As they go out in `RAPIDtoRobot.dnum`."""
+        counts = map(float, (self.number, self.command))
+        return (
+            VERSION,
+            self.ticket,
+            *counts,
+            self.opening,
+            float(self.holding),
+            float(self.leg),
+            *self.load,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleReport:
+    """What the module answers: which order of which `ticket` is `done`, and a ticket `refused`."""
+
+    ticket: float
+    done: float
+    refused: float | None
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Feedback:
     """What a controller reports of one arm.
@@ -88,6 +129,14 @@ class Feedback:
     rapid: int
     is_converged: bool
     rapid_values: tuple[float, ...]
+
+    @property
+    def module(self) -> ModuleReport | None:
+        """What the module in RAPID reports; None where none of this version runs."""
+        if len(self.rapid_values) < 3 or self.rapid_values[0] != VERSION:
+            return None
+        _, ticket, done, *more = self.rapid_values
+        return ModuleReport(ticket, done, more[0] if more else None)
 
     @property
     def fault(self) -> str:
@@ -107,6 +156,17 @@ class Reference:
     number: int
     axes: Floats
     orders: tuple[float, ...]
+
+
+def module_of(arm: str, feedback: Feedback) -> ModuleReport:
+    """What the module in RAPID of an arm reports.
+
+    Raises:
+        LinkError: none of this version runs.
+    """
+    if feedback.module is None:
+        raise LinkError(DeviceText.MODULE_SILENT(arm=arm))
+    return feedback.module
 
 
 def read_feedback(data: bytes, axes: int) -> Feedback:
