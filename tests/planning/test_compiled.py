@@ -26,7 +26,7 @@ def functions_in_place(layer: str) -> Iterator[tuple[str, ast.FunctionDef]]:
                 yield f"{file.relative_to(SOURCES)}: {node.name}", node
 
 
-@pytest.mark.parametrize("layer", ["planning"])
+@pytest.mark.parametrize("layer", ["planning", "proof"])
 def test_what_is_compiled_in_place_returns_numbers(layer: str) -> None:
     found = dict(functions_in_place(layer))
     assert found

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
+from workbench.proof.engine.compiled import njit_in_place
 from workbench.proof.engine.frames import (
     FIRST,
     Bodies,
@@ -18,6 +19,10 @@ from workbench.proof.engine.plane import ROUNDING, apart
 
 PARALLEL = 1e-3
 """Sine of an angle below which two edges count as parallel: their normal is badly known."""
+
+MOST_GAINED = 0.3
+"""[m] Planes hardly ever give a bound that is better by more than this, and take longest of all;
+only a matter of speed."""
 
 
 class PairQuery(NamedTuple):
@@ -164,8 +169,38 @@ def sieve(
         spread: the sets.
     """
     lower, moves, whole_bounds = np.empty(len(items)), np.empty(len(items)), np.empty(len(items))
-    left, count = np.empty(len(items), np.int64), 0
-    most, normal, scratch = world.moves, np.empty(3), np.empty((4, 3))
+    left, normal, scratch = np.empty(len(items), np.int64), np.empty(3), np.empty((4, 3))
+    count = _sift(
+        items, asked, goals, at, bounds, normals, chain, bodies, world, spread, left,
+        lower, moves, whole_bounds, normal, scratch,
+    )  # fmt: skip
+    return OpenPairs(items[left[:count]], lower[:count], moves[:count], whole_bounds[:count])
+
+
+@njit_in_place
+def _sift(
+    items: Ints,
+    asked: PairQuery,
+    goals: Floats,
+    at: Ints,
+    bounds: Floats,
+    normals: Floats,
+    chain: JointTree,
+    bodies: Bodies,
+    world: BodyPoses,
+    spread: SetExtents,
+    left: Ints,
+    lower: Floats,
+    moves: Floats,
+    whole_bounds: Floats,
+    normal: Floats,
+    scratch: Floats,
+) -> int:  # pragma: no cover (compiled)
+    """Write what `sieve` returns into `left` and the next three (n,); how many pairs that is.
+
+    `left` are numbers of items; `normal` (3,) and `scratch` (4, 3) are those of `gap`.
+    """
+    count, most = 0, world.moves
     for n in range(len(items)):
         ka, kb, pair = int(items[n, 0]), int(items[n, 1]), int(items[n, 2])
         a, b = int(asked.first[pair]), int(asked.second[pair])
@@ -181,7 +216,7 @@ def sieve(
             np.sqrt(square) - bodies.radii[a] - bodies.radii[b] - ROUNDING,
             most[ka, a] + most[kb, b],
         )
-        bound = low - far
+        bound, is_near = low - far, True
         if bound < need:
             off = max(_off(ka, a, kb, b, bodies, world), _off(kb, b, ka, a, bodies, world))
             low = max(low, off - ROUNDING)
@@ -193,10 +228,14 @@ def sieve(
             wide = gap(ka, a, kb, b, bodies, world, need + far, normal, scratch)
             low = max(low, wide - ROUNDING)
             bound = low - far
-            if bound < need and low > 0.0 and not normals[a, b].any():
+            if bound < need and low > 0.0 and not _is_known(normals, a, b, FIRST):
                 _note(normals[a, b], normal, ka, a, kb, b, world)
-        for side in range(2):
-            if bound < need and normals[a, b, side].any():
+            is_near = bound >= need - MOST_GAINED
+            if bound < need and wide > 0.0 and is_near:
+                along = apart(normal, ka, a, kb, b, common, chain, bodies, world, spread)
+                bound = max(bound, along)
+        for side in range(2 if is_near else 0):
+            if bound < need and _is_known(normals, a, b, side):
                 seen, R = normals[a, b, side], world.turns[ka, a]
                 if side == 1:
                     R = world.turns[kb, b]
@@ -209,10 +248,17 @@ def sieve(
             count += 1
         elif asked.shown[pair]:
             bounds[place] = min(bounds[place], bound)
-    return OpenPairs(items[left[:count]], lower[:count], moves[:count], whole_bounds[:count])
+    return count
 
 
-@njit(cache=True)
+@njit_in_place
+def _is_known(normals: Floats, a: int, b: int, side: int) -> bool:  # pragma: no cover (compiled)
+    """Whether a direction is known in which two bodies were apart, as one of them sees it."""
+    known = normals[a, b, side]
+    return bool(known[0] != 0.0 or known[1] != 0.0 or known[2] != 0.0)
+
+
+@njit_in_place
 def _note(
     known: Floats, normal: Floats, ka: int, a: int, kb: int, b: int, world: BodyPoses
 ) -> None:  # pragma: no cover (compiled)
@@ -262,7 +308,7 @@ def planes(
     return bounds
 
 
-@njit(cache=True)
+@njit_in_place
 def _off(
     ka: int, a: int, kb: int, b: int, bodies: Bodies, world: BodyPoses
 ) -> float:  # pragma: no cover (compiled)
@@ -278,7 +324,7 @@ def _off(
     return float((np.sqrt(square) if square > 0.0 else -deep) - bodies.radii[a])
 
 
-@njit(cache=True)
+@njit_in_place
 def gap(
     ka: int,
     a: int,
@@ -348,7 +394,7 @@ def gap(
     return float(best)
 
 
-@njit(cache=True)
+@njit_in_place
 def _towards(
     Ra: Floats, Rb: Floats, first: int, second: int, way: Floats, axis: Floats
 ) -> None:  # pragma: no cover (compiled)
