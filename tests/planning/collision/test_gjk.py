@@ -43,7 +43,7 @@ def asked(shapes, poses, low: float, high: float) -> int:
     cores = cores_of(list(shapes), centres)
     R = np.array([T.rotation for T in poses])
     c = np.array([T.act(centre) for T, centre in zip(poses, centres, strict=True)])
-    return side(0, 1, R, c, cores, low, high, np.empty((5, 3)))
+    return side(0, 1, R, c, cores, low, high, np.empty((15, 3)))
 
 
 def true_distance(shapes, poses) -> float:

@@ -83,7 +83,7 @@ def test_planning_compiled_code_and_the_proof_agree_on_bodies_with_pieces(seed):
     cores = cores_of(shapes, centres)
     R = np.array([pose.rotation for pose in poses])
     c = np.array([pose.act(centre) for pose, centre in zip(poses, centres, strict=True)])
-    W = np.empty((5, 3))
+    W = np.empty((15, 3))
     if far > 1e-4:
         assert side(0, 1, R, c, cores, far - 1e-5, far - 1e-5, W) == CLEAR
         assert side(0, 1, R, c, cores, far + 1e-5, far + 1e-5, W) == TOUCHES

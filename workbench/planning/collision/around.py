@@ -9,6 +9,7 @@ from workbench.model.geometry import Bools, Floats, Ints
 from workbench.planning.collision.distances.cores import Cores
 from workbench.planning.collision.distances.gjk import TOUCHES, side
 from workbench.planning.collision.hands import NO_PAIR, Hands
+from workbench.planning.compiled import njit_in_place
 
 OPEN, CLOSED = 0, 1
 
@@ -138,10 +139,10 @@ def _scratch(around: Around) -> tuple[Floats, Floats, Floats]:
             c[tools + g, i] = around.c_still[g, i]
             for j in range(3):
                 R[tools + g, i, j] = around.R_still[g, i, j]
-    return R, c, np.empty((5, 3))
+    return R, c, np.empty((15, 3))
 
 
-@njit(cache=True)
+@njit_in_place
 def _stands(around: Around, t: int) -> bool:
     """Whether a solid of the tool is where it is however far the fingers are open."""
     return bool(around.way[t, 0] == 0.0 and around.way[t, 1] == 0.0 and around.way[t, 2] == 0.0)
@@ -232,7 +233,7 @@ def _put(
             c[t, i] = place
 
 
-@njit(cache=True)
+@njit_in_place
 def _first_near(
     t: int,
     near: Ints,

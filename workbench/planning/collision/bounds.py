@@ -24,13 +24,14 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
+from workbench.planning.compiled import njit_in_place
 from workbench.planning.kinematics.robot import JointTree
 
 # The loops below index into whole arrays instead of passing rows: a slice costs an allocation,
 # and these run some hundred thousand times for one plan.
 
 
-@njit(cache=True)
+@njit_in_place
 def joint_pose(j: int, tree: JointTree, q: Floats, R: Floats, p: Floats, z: Floats) -> None:
     """Write rotation R (j, 3, 3), position p (j, 3) [m] and axis z (j, 3) of one joint.
 
@@ -63,7 +64,7 @@ def joint_pose(j: int, tree: JointTree, q: Floats, R: Floats, p: Floats, z: Floa
         R[j, i, 2] = a * t02 + b * t12 + e * t22
 
 
-@njit(cache=True)
+@njit_in_place
 def ball_to_box(
     x: float, y: float, w: float, radius: float, b: int, R: Floats, c: Floats, half: Floats
 ) -> float:
@@ -78,7 +79,7 @@ def ball_to_box(
     return float((np.sqrt(total) if total > 0 else inside) - radius)
 
 
-@njit(cache=True)
+@njit_in_place
 def out_of_box(
     x: float, y: float, z: float, b: int, R: Floats, c: Floats, half: Floats
 ) -> tuple[float, float, float, float]:
@@ -95,7 +96,7 @@ def out_of_box(
     return u, v, w, np.sqrt(total)
 
 
-@njit(cache=True)
+@njit_in_place
 def _box_gap(a: int, b: int, R: Floats, c: Floats, half: Floats) -> float:
     """Largest gap of the boxes of two bodies over 6 face and 9 edge axes: never too large."""
     tx, ty, tz = c[b, 0] - c[a, 0], c[b, 1] - c[a, 1], c[b, 2] - c[a, 2]
@@ -122,7 +123,7 @@ def _box_gap(a: int, b: int, R: Floats, c: Floats, half: Floats) -> float:
     return best
 
 
-@njit(cache=True)
+@njit_in_place
 def lower_bound(
     a: int, b: int, R: Floats, c: Floats, half: Floats, radius: Floats, limit: float
 ) -> float:
@@ -138,7 +139,7 @@ def lower_bound(
     return apart if apart >= limit else max(apart, _box_gap(a, b, R, c, half))
 
 
-@njit(cache=True)
+@njit_in_place
 def walk(
     row: int,
     x: float,
@@ -194,7 +195,7 @@ class PairDrift(NamedTuple):
     most: float
 
 
-@njit(cache=True)
+@njit_in_place
 def nearing(
     drift: PairDrift, a: int, b: int, x: float, y: float, z: float, R: Floats, half: Floats
 ) -> float:
@@ -208,7 +209,7 @@ def nearing(
     return min(come, drift.most)
 
 
-@njit(cache=True)
+@njit_in_place
 def _swept_by_turn(
     g: int, x: float, y: float, z: float, u: float, v: float, w: float, R: Floats, half: Floats
 ) -> float:
@@ -281,7 +282,7 @@ def close_pairs(
     return pairs[:found][order], moves[:found][order], lower[:found][order]
 
 
-@njit(cache=True)
+@njit_in_place
 def place_bodies(
     tree: JointTree,
     boxes: Boxes,
@@ -321,7 +322,7 @@ def place_bodies(
         walk(g, c[g, 0], c[g, 1], c[g, 2], boxes.radius[g], j, tree, d, p_j, z_j, travel)
 
 
-@njit(cache=True)
+@njit_in_place
 def gather_close(
     tree: JointTree,
     boxes: Boxes,

@@ -23,6 +23,7 @@ from workbench.model.geometry import Floats, Ints
 from workbench.model.motion import MotionModel
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.world import World
+from workbench.planning.compiled import njit_in_place
 
 SHARP_CORNER = 0.02
 """[rad] Roundings of a corner at which no joint differs by more than this have none between."""
@@ -115,7 +116,7 @@ def _walk(path: Floats, wide: float, pieces: int) -> tuple[Floats, Ints]:
     return points, waypoints
 
 
-@njit(cache=True)
+@njit_in_place
 def _rounding(enter: float, corner: float, leave: float, t: float) -> float:
     """Where a joint is on a parabola about a corner, at a parameter from 0 to 1 [rad]."""
     rest = 1.0 - t

@@ -14,6 +14,7 @@ from numba import njit
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Bools, Floats
+from workbench.planning.compiled import njit_in_place
 
 POSITION_TOLERANCE = 1e-6
 ROTATION_TOLERANCE = 1e-6
@@ -116,7 +117,7 @@ def chain_of(cell: Cell, arm: Arm) -> Chain:
 # `bounds.joint_pose`, which serve the whole robot, takes half as long again.
 
 
-@njit(cache=True)
+@njit_in_place
 def forward(
     Rs: Floats,
     ps: Floats,
@@ -129,7 +130,6 @@ def forward(
     o: Floats,
 ) -> None:
     """Write TCP rotation R (3, 3) and position p (3,) [m], axes z and origins o (n, 3)."""
-    M, T = np.empty((3, 3)), np.empty((3, 3))
     for i in range(3):
         p[i] = ps[0, i]
         for k in range(3):
@@ -142,49 +142,58 @@ def forward(
         if slides[j] > 0.5:
             for i in range(3):
                 p[i] += z[j, i] * q[j]
-                for k in range(3):
-                    M[i, k] = R[i, k]
         else:
             sin, cos = np.sin(q[j]), np.cos(q[j])
             d = 1.0 - cos
-            T[0, 0], T[0, 1], T[0, 2] = cos + x * x * d, x * y * d - w * sin, x * w * d + y * sin
-            T[1, 0], T[1, 1], T[1, 2] = y * x * d + w * sin, cos + y * y * d, y * w * d - x * sin
-            T[2, 0], T[2, 1], T[2, 2] = w * x * d - y * sin, w * y * d + x * sin, cos + w * w * d
+            t00, t01, t02 = cos + x * x * d, x * y * d - w * sin, x * w * d + y * sin
+            t10, t11, t12 = y * x * d + w * sin, cos + y * y * d, y * w * d - x * sin
+            t20, t21, t22 = w * x * d - y * sin, w * y * d + x * sin, cos + w * w * d
             for i in range(3):
-                for k in range(3):
-                    M[i, k] = R[i, 0] * T[0, k] + R[i, 1] * T[1, k] + R[i, 2] * T[2, k]
+                a, b, e = R[i, 0], R[i, 1], R[i, 2]
+                R[i, 0] = a * t00 + b * t10 + e * t20
+                R[i, 1] = a * t01 + b * t11 + e * t21
+                R[i, 2] = a * t02 + b * t12 + e * t22
         n = j + 1
         for i in range(3):
-            p[i] += M[i, 0] * ps[n, 0] + M[i, 1] * ps[n, 1] + M[i, 2] * ps[n, 2]
+            a, b, e = R[i, 0], R[i, 1], R[i, 2]
+            p[i] += a * ps[n, 0] + b * ps[n, 1] + e * ps[n, 2]
             for k in range(3):
-                R[i, k] = M[i, 0] * Rs[n, 0, k] + M[i, 1] * Rs[n, 1, k] + M[i, 2] * Rs[n, 2, k]
+                R[i, k] = a * Rs[n, 0, k] + b * Rs[n, 1, k] + e * Rs[n, 2, k]
 
 
-@njit(cache=True)
+@njit_in_place
+def _along(R: Floats, row: int, x: float, y: float, z: float) -> float:
+    """The product of a row of R (3, 3) and (x, y, z)."""
+    return float(x * R[row, 0] + y * R[row, 1] + z * R[row, 2])
+
+
+@njit_in_place
 def _rotation_error(target: Floats, R: Floats, e: Floats) -> None:
     """Write into e[3:6] the rotation vector, in the world frame, that takes R to the target."""
-    E = np.empty((3, 3))
-    for i in range(3):
-        for k in range(3):
-            E[i, k] = target[i, 0] * R[k, 0] + target[i, 1] * R[k, 1] + target[i, 2] * R[k, 2]
-    x, y, w = E[2, 1] - E[1, 2], E[0, 2] - E[2, 0], E[1, 0] - E[0, 1]
+    a, b, g = target[0, 0], target[0, 1], target[0, 2]
+    e00, e01, e02 = _along(R, 0, a, b, g), _along(R, 1, a, b, g), _along(R, 2, a, b, g)
+    a, b, g = target[1, 0], target[1, 1], target[1, 2]
+    e10, e11, e12 = _along(R, 0, a, b, g), _along(R, 1, a, b, g), _along(R, 2, a, b, g)
+    a, b, g = target[2, 0], target[2, 1], target[2, 2]
+    e20, e21, e22 = _along(R, 0, a, b, g), _along(R, 1, a, b, g), _along(R, 2, a, b, g)
+    x, y, w = e21 - e12, e02 - e20, e10 - e01
     s = np.sqrt(x * x + y * y + w * w)
-    c = E[0, 0] + E[1, 1] + E[2, 2] - 1.0
+    c = e00 + e11 + e22 - 1.0
     if s < 1e-9 and c < 0:
         # Half a turn: the axis is the column of E + 1 with the largest diagonal entry.
-        k = 0
-        for i in range(1, 3):
-            if E[i, i] > E[k, k]:
-                k = i
-        x, y, w = E[0, k], E[1, k], E[2, k]
-        x, y, w = x + (k == 0), y + (k == 1), w + (k == 2)
+        if e00 >= e11 and e00 >= e22:
+            x, y, w = e00 + 1.0, e10, e20
+        elif e11 >= e22:
+            x, y, w = e01, e11 + 1.0, e21
+        else:
+            x, y, w = e02, e12, e22 + 1.0
         scale = np.pi / np.sqrt(x * x + y * y + w * w)
     else:
         scale = np.arctan2(s, c) / s if s >= 1e-9 else 0.5
     e[3], e[4], e[5] = x * scale, y * scale, w * scale
 
 
-@njit(cache=True)
+@njit_in_place
 def _damped_step(
     J: Floats, e: Floats, scale: float, damping: float, L: Floats, y: Floats, step: Floats
 ) -> None:
@@ -214,7 +223,7 @@ def _damped_step(
             step[k] += J[i, k] * y[i]
 
 
-@njit(cache=True)
+@njit_in_place
 def _jacobian(p: Floats, z: Floats, o: Floats, slides: Floats, J: Floats) -> None:
     """Write the geometric Jacobian (6, n) of the TCP in the world frame."""
     for i in range(len(slides)):

@@ -18,6 +18,7 @@ from numba import njit
 
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Floats, Ints
+from workbench.planning.compiled import njit_in_place
 from workbench.planning.kinematics.jerk_limited import jerk_limited
 
 STRAIGHT_PIECES = 16
@@ -185,7 +186,7 @@ def _squared_speeds(
     return most
 
 
-@njit(cache=True)
+@njit_in_place
 def _ceiling(
     slope: Floats, bend: Floats, width: float, velocity: Floats, acceleration: Floats
 ) -> float:
@@ -203,7 +204,7 @@ def _ceiling(
     return ceiling
 
 
-@njit(cache=True)
+@njit_in_place
 def _fastest(
     slope: Floats, bend: Floats, width: float, acceleration: Floats, follows: float, ceiling: float
 ) -> float:
@@ -226,7 +227,7 @@ def _fastest(
     return x * (1.0 - WITHIN)
 
 
-@njit(cache=True)
+@njit_in_place
 def _between(
     x: float, slope: Floats, bend: Floats, width: float, acceleration: Floats, follows: float
 ) -> tuple[float, float, float, float]:

@@ -24,6 +24,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
+from workbench.planning.compiled import njit_in_place
 
 STANDSTILL = 0.001
 """[s] No two waypoints are passed in less, be they equal."""
@@ -84,7 +85,7 @@ def jerk_limited(
     return times
 
 
-@njit(cache=True)
+@njit_in_place
 def _most(moves: Floats, limits: Floats) -> float:
     """The largest factor by which `moves` (n,) stay within their limits (n,)."""
     most = UNLIMITED
@@ -94,7 +95,7 @@ def _most(moves: Floats, limits: Floats) -> float:
     return most
 
 
-@njit(cache=True)
+@njit_in_place
 def _ramp(change: float, limits: Floats) -> float:
     """How long [s] an S-curve needs for a change, its slope and curvature within `limits` (2,)."""
     if change * limits[1] >= limits[0] * limits[0]:
@@ -102,19 +103,19 @@ def _ramp(change: float, limits: Floats) -> float:
     return 2.0 * np.sqrt(change / limits[1])
 
 
-@njit(cache=True)
+@njit_in_place
 def _blend_share(full: float, across: Floats, share: float) -> float:
     """How much of a way lies in the blend at one of its ends, which is passed at a share."""
     return full * share * _ramp(share, across) / 2.0
 
 
-@njit(cache=True)
+@njit_in_place
 def _straight(full: float, here: Floats, there: Floats, share: float, other: float) -> float:
     """How much of a way lies between the blends at its two ends."""
     return 1.0 - _blend_share(full, here, share) - _blend_share(full, there, other)
 
 
-@njit(cache=True)
+@njit_in_place
 def _needed_share(full: float, along: Floats, begin: float, end: float, peak: float) -> float:
     """How much of a way is needed to get from one share of its full speed by a peak to another."""
     into = (begin + peak) / 2.0 * _ramp(abs(peak - begin), along)
@@ -140,7 +141,7 @@ def _within_zones(full: Floats, across: Floats, zone: float) -> Floats:
     return shares
 
 
-@njit(cache=True)
+@njit_in_place
 def _fastest(
     full: float, along: Floats, here: Floats, there: Floats, most: float, other: float
 ) -> float:

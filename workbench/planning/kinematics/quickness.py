@@ -13,6 +13,7 @@ from numba import njit
 
 from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Floats
+from workbench.planning.compiled import njit_in_place
 from workbench.planning.kinematics.chain import (
     POSITION_TOLERANCE,
     ROTATION_TOLERANCE,
@@ -181,7 +182,7 @@ def _draw(
                 steps[k] *= SHORTER
 
 
-@njit(cache=True)
+@njit_in_place
 def _seconds(q: Floats, stops: Floats, velocity: Floats, acceleration: Floats) -> float:
     """As `between`, of one configuration."""
     total = 0.0
@@ -197,7 +198,7 @@ def _seconds(q: Floats, stops: Floats, velocity: Floats, acceleration: Floats) -
     return total
 
 
-@njit(cache=True)
+@njit_in_place
 def _slope(q: Floats, stops: Floats, velocity: Floats, slope: Floats) -> None:
     """Write (n,) by what share joints have to be turned for the time to grow most."""
     for i in range(len(q)):

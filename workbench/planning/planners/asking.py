@@ -8,10 +8,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.planning.collision.sweeping.edges import ASK, Edges, edge_answer, no_edges
+from workbench.planning.compiled import njit_in_place
 from workbench.plugins.planner import EdgeCheck
 
 
@@ -57,7 +57,7 @@ class RecordedAnswers(NamedTuple):
     edge: Floats
 
 
-@njit(cache=True)
+@njit_in_place
 def look_up(a: Floats, b: Floats, edges: Edges, answers: RecordedAnswers) -> int:
     """`CLEAR`, `BLOCKED` or `ASK` for the next straight motion, from a to b (n,) [rad]."""
     number = answers.asked[0]
@@ -74,7 +74,7 @@ def look_up(a: Floats, b: Floats, edges: Edges, answers: RecordedAnswers) -> int
     return answer
 
 
-@njit(cache=True)
+@njit_in_place
 def write_row(path: Floats, row: int, q: Floats) -> None:
     """Write q (n,) [rad] into a path (m, n): numba takes seconds to compile `path[row] = q`."""
     for i in range(len(q)):

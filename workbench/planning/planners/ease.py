@@ -9,6 +9,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges
+from workbench.planning.compiled import njit_in_place
 from workbench.planning.planners.asking import RecordedAnswers, asking, look_up, write_row
 from workbench.plugins.planner import EdgeCheck
 
@@ -49,7 +50,7 @@ def ease_corners(
     )
 
 
-@njit(cache=True)
+@njit_in_place
 def _seconds(a: Floats, c: Floats, b: Floats, v: Floats, acc: Floats, zone: float) -> float:
     """What it takes about from a to b (n,) by way of a corner c [s]."""
     into, out = 0.0, 0.0

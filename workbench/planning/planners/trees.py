@@ -10,10 +10,10 @@ planning", IEEE International Conference on Robotics and Automation, 2000.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges, edge_answer
+from workbench.planning.compiled import njit_in_place
 
 LONGEST_EDGE = 0.6
 """[rad] Longest new edge of a tree, in the weighted metric."""
@@ -89,7 +89,7 @@ def question(trees: Trees) -> tuple[Floats, Floats]:
     return trees.q[tree, trees.at[2]].copy(), trees.new.copy()
 
 
-@njit(cache=True)
+@njit_in_place
 def grow_trees(
     trees: Trees,
     box: Floats,
@@ -169,7 +169,7 @@ def sample_around(
     return low + (high - low) * rng.random(len(low))
 
 
-@njit(cache=True)
+@njit_in_place
 def _draw(
     sample: Floats,
     start: Floats,
@@ -186,7 +186,7 @@ def _draw(
         sample[i] = low + (high - low) * rng.random()
 
 
-@njit(cache=True)
+@njit_in_place
 def _nearest(q: Floats, tree: int, count: int, target: Floats, box: Floats) -> int:
     """Number of the configuration closest to the target in the weighted Euclidean metric."""
     best, nearest = np.inf, 0

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
+from workbench.proof.engine.compiled import njit_in_place
 
 FIRST = cast(int, np.int64(0))
 """The number of a state or joint, with a type: numba compiles a function anew for a plain 0."""
@@ -75,7 +76,7 @@ class SetExtents(NamedTuple):
     counts: Ints
 
 
-@njit(cache=True)
+@njit_in_place
 def max_distance_to_axis(
     k: int, b: int, j: int, bodies: Bodies, world: BodyPoses
 ) -> float:  # pragma: no cover
@@ -88,7 +89,7 @@ def max_distance_to_axis(
     return float(np.sqrt(max(square - along * along, 0.0)) + bodies.radii[b])
 
 
-@njit(cache=True)
+@njit_in_place
 def bound_motion(
     k: int, b: int, common: int, chain: JointTree, bodies: Bodies, world: BodyPoses, spans: Floats
 ) -> float:  # pragma: no cover (compiled)
@@ -121,21 +122,45 @@ def poses(
     count, joints, number = len(q), len(chain.parents), len(bodies.joints)
     turns, centres = np.empty((count, number, 3, 3)), np.empty((count, number, 3))
     places, axes = np.zeros((count, joints, 3)), np.zeros((count, joints, 3))
+    world = BodyPoses(turns, centres, places, axes, np.empty((count, number)))
     R, p = np.zeros((joints, 3, 3)), np.zeros((joints, 3))
     own, before = np.empty((3, 3)), np.empty((3, 3))
     for i in range(3):
         R[0, i, i] = 1.0
-    for k in range(count):
-        for j in range(1, joints):
+    _place(chain, bodies, q, spans, some, world, R, p, own, before)
+    return world
+
+
+@njit_in_place
+def _place(
+    chain: JointTree,
+    bodies: Bodies,
+    q: Floats,
+    spans: Floats,
+    some: Ints,
+    world: BodyPoses,
+    R: Floats,
+    p: Floats,
+    own: Floats,
+    before: Floats,
+) -> None:  # pragma: no cover (compiled)
+    """Write what `poses` returns of the bodies `some` (n,), by index, into `world`.
+
+    `R` (j, 3, 3) and `p` (j, 3) [m] are written to, those of joint 0 are known; so are `own` and
+    `before` (3, 3), without a unit.
+    """
+    axes = world.axes
+    for k in range(len(q)):
+        for j in range(1, len(chain.parents)):
             u, value = chain.parents[j], q[k, chain.columns[j]]
-            x, y, z = chain.axes[j]
+            x, y, z = chain.axes[j, 0], chain.axes[j, 1], chain.axes[j, 2]
             _product(R[u], chain.turns[j], before)
             for i in range(3):
                 p[j, i] = p[u, i]
                 for m in range(3):
                     p[j, i] += R[u, i, m] * chain.places[j, m]
                 axes[k, j, i] = before[i, 0] * x + before[i, 1] * y + before[i, 2] * z
-                places[k, j, i] = p[j, i]
+                world.places[k, j, i] = p[j, i]
             if chain.slides[j]:
                 for i in range(3):
                     p[j, i] += axes[k, j, i] * value
@@ -162,19 +187,17 @@ def poses(
             _product(before, own, R[j])
         for b in some:
             j = bodies.joints[b]
-            _product(R[j], bodies.turns[b], turns[k, b])
+            _product(R[j], bodies.turns[b], world.turns[k, b])
             for i in range(3):
-                centres[k, b, i] = p[j, i]
+                world.centres[k, b, i] = p[j, i]
                 for m in range(3):
-                    centres[k, b, i] += R[j, i, m] * bodies.centres[b, m]
-    world = BodyPoses(turns, centres, places, axes, np.empty((count, number)))
-    for k in range(count):
+                    world.centres[k, b, i] += R[j, i, m] * bodies.centres[b, m]
+    for k in range(len(q)):
         for b in some:
             world.moves[k, b] = bound_motion(k, int(b), FIRST, chain, bodies, world, spans)
-    return world
 
 
-@njit(cache=True)
+@njit_in_place
 def _product(A: Floats, B: Floats, C: Floats) -> None:  # pragma: no cover (compiled)
     """Write A B into C, all (3, 3)."""
     for i in range(3):

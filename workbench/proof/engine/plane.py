@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
+from workbench.proof.engine.compiled import njit_in_place
 from workbench.proof.engine.frames import (
     Bodies,
     BodyPoses,
@@ -21,7 +22,7 @@ ROUNDING = 1e-9
 """[m] What sums of floats may be off by."""
 
 
-@njit(cache=True)
+@njit_in_place
 def apart(
     normal: Floats,
     ka: int,
@@ -113,7 +114,7 @@ def _reach(
     return float(best + bent)
 
 
-@njit(cache=True)
+@njit_in_place
 def _support(
     x: float, y: float, z: float, R: Floats, b: int, bodies: Bodies
 ) -> float:  # pragma: no cover (compiled)

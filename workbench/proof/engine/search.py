@@ -54,7 +54,7 @@ TIGHT = 0.0002
 ROUNDING = 1e-6
 """[m] Another machine rounds otherwise."""
 
-USUALLY_SHORT_BY = 0.12
+USUALLY_SHORT_BY = 0.04
 """[m] By about this much bounds fall short of distances; only a matter of speed."""
 
 

@@ -6,6 +6,8 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
+from workbench.proof.engine.boxes import gap
+from workbench.proof.engine.compiled import njit_in_place
 from workbench.proof.engine.frames import (
     FIRST,
     Bodies,
@@ -16,8 +18,9 @@ from workbench.proof.engine.frames import (
 )
 from workbench.proof.engine.plane import ROUNDING, apart
 
-PARALLEL = 1e-3
-"""Sine of an angle below which two edges count as parallel: their normal is badly known."""
+MOST_GAINED = 0.3
+"""[m] Planes hardly ever give a bound that is better by more than this, and take longest of all;
+only a matter of speed."""
 
 
 class PairQuery(NamedTuple):
@@ -164,8 +167,38 @@ def sieve(
         spread: the sets.
     """
     lower, moves, whole_bounds = np.empty(len(items)), np.empty(len(items)), np.empty(len(items))
-    left, count = np.empty(len(items), np.int64), 0
-    most, normal, scratch = world.moves, np.empty(3), np.empty((4, 3))
+    left, normal, scratch = np.empty(len(items), np.int64), np.empty(3), np.empty((4, 3))
+    count = _sift(
+        items, asked, goals, at, bounds, normals, chain, bodies, world, spread, left,
+        lower, moves, whole_bounds, normal, scratch,
+    )  # fmt: skip
+    return OpenPairs(items[left[:count]], lower[:count], moves[:count], whole_bounds[:count])
+
+
+@njit_in_place
+def _sift(
+    items: Ints,
+    asked: PairQuery,
+    goals: Floats,
+    at: Ints,
+    bounds: Floats,
+    normals: Floats,
+    chain: JointTree,
+    bodies: Bodies,
+    world: BodyPoses,
+    spread: SetExtents,
+    left: Ints,
+    lower: Floats,
+    moves: Floats,
+    whole_bounds: Floats,
+    normal: Floats,
+    scratch: Floats,
+) -> int:  # pragma: no cover (compiled)
+    """Write what `sieve` returns into `left` and the next three (n,); how many pairs that is.
+
+    `left` are numbers of items; `normal` (3,) and `scratch` (4, 3) are those of `gap`.
+    """
+    count, most = 0, world.moves
     for n in range(len(items)):
         ka, kb, pair = int(items[n, 0]), int(items[n, 1]), int(items[n, 2])
         a, b = int(asked.first[pair]), int(asked.second[pair])
@@ -181,7 +214,7 @@ def sieve(
             np.sqrt(square) - bodies.radii[a] - bodies.radii[b] - ROUNDING,
             most[ka, a] + most[kb, b],
         )
-        bound = low - far
+        bound, is_near = low - far, True
         if bound < need:
             off = max(_off(ka, a, kb, b, bodies, world), _off(kb, b, ka, a, bodies, world))
             low = max(low, off - ROUNDING)
@@ -193,10 +226,14 @@ def sieve(
             wide = gap(ka, a, kb, b, bodies, world, need + far, normal, scratch)
             low = max(low, wide - ROUNDING)
             bound = low - far
-            if bound < need and low > 0.0 and not normals[a, b].any():
+            if bound < need and low > 0.0 and not _is_known(normals, a, b, FIRST):
                 _note(normals[a, b], normal, ka, a, kb, b, world)
-        for side in range(2):
-            if bound < need and normals[a, b, side].any():
+            is_near = bound >= need - MOST_GAINED
+            if bound < need and wide > 0.0 and is_near:
+                along = apart(normal, ka, a, kb, b, common, chain, bodies, world, spread)
+                bound = max(bound, along)
+        for side in range(2 if is_near else 0):
+            if bound < need and _is_known(normals, a, b, side):
                 seen, R = normals[a, b, side], world.turns[ka, a]
                 if side == 1:
                     R = world.turns[kb, b]
@@ -209,10 +246,17 @@ def sieve(
             count += 1
         elif asked.shown[pair]:
             bounds[place] = min(bounds[place], bound)
-    return OpenPairs(items[left[:count]], lower[:count], moves[:count], whole_bounds[:count])
+    return count
 
 
-@njit(cache=True)
+@njit_in_place
+def _is_known(normals: Floats, a: int, b: int, side: int) -> bool:  # pragma: no cover (compiled)
+    """Whether a direction is known in which two bodies were apart, as one of them sees it."""
+    known = normals[a, b, side]
+    return bool(known[0] != 0.0 or known[1] != 0.0 or known[2] != 0.0)
+
+
+@njit_in_place
 def _note(
     known: Floats, normal: Floats, ka: int, a: int, kb: int, b: int, world: BodyPoses
 ) -> None:  # pragma: no cover (compiled)
@@ -262,7 +306,7 @@ def planes(
     return bounds
 
 
-@njit(cache=True)
+@njit_in_place
 def _off(
     ka: int, a: int, kb: int, b: int, bodies: Bodies, world: BodyPoses
 ) -> float:  # pragma: no cover (compiled)
@@ -276,96 +320,3 @@ def _off(
         square += max(beyond, 0.0) ** 2
         deep = min(deep, -beyond)
     return float((np.sqrt(square) if square > 0.0 else -deep) - bodies.radii[a])
-
-
-@njit(cache=True)
-def gap(
-    ka: int,
-    a: int,
-    kb: int,
-    b: int,
-    bodies: Bodies,
-    world: BodyPoses,
-    enough: float,
-    axis: Floats,
-    scratch: Floats,
-) -> float:  # pragma: no cover (compiled)
-    """A lower bound [m] of the distance of the boxes around two bodies; negative: may overlap.
-
-    It is the largest gap along the axes of both and the nine normals to two of them: boxes that
-    are apart are apart along one of these.
-
-    Args:
-        ka: at which configuration the one is, an index.
-        a: the one body.
-        kb: at which configuration the other is.
-        b: the other body.
-        bodies: all bodies.
-        world: where they are.
-        enough: [m] nothing larger is searched for.
-        axis: (3,) becomes the direction of the gap in the world, from the one to the other.
-        scratch: (4, 3) is written to: the axes of the other and the way to it, as the one sees
-            them.
-    """
-    Ra, Rb = world.turns[ka, a], world.turns[kb, b]
-    ha, hb = bodies.halves[a], bodies.halves[b]
-    best, first, second = -np.inf, FIRST, FIRST
-    for i in range(3):
-        for j in range(3):
-            scratch[j, i] = Ra[0, i] * Rb[0, j] + Ra[1, i] * Rb[1, j] + Ra[2, i] * Rb[2, j]
-        scratch[3, i] = 0.0
-        for m in range(3):
-            scratch[3, i] += Ra[m, i] * (world.centres[kb, b, m] - world.centres[ka, a, m])
-    way = scratch[3]
-    for i in range(3):
-        far = abs(way[i]) - ha[i]
-        for j in range(3):
-            far -= hb[j] * abs(scratch[j, i])
-        if far > best:
-            best, first, second = far, i, 3
-    for j in range(3):
-        other, along = scratch[j], 0.0
-        far = -hb[j]
-        for i in range(3):
-            along += way[i] * other[i]
-            far -= ha[i] * abs(other[i])
-        far += abs(along)
-        if far > best:
-            best, first, second = far, 3, j
-    for i in range(3 if best < enough else 0):
-        u, v = (i + 1) % 3, (i + 2) % 3
-        for j in range(3):
-            other = scratch[j]
-            norm = np.sqrt(other[u] * other[u] + other[v] * other[v])
-            if norm > PARALLEL:
-                far = abs(way[v] * other[u] - way[u] * other[v])
-                far -= ha[u] * abs(other[v]) + ha[v] * abs(other[u])
-                far -= hb[(j + 1) % 3] * abs(scratch[(j + 2) % 3, i])
-                far -= hb[(j + 2) % 3] * abs(scratch[(j + 1) % 3, i])
-                if far / norm > best:
-                    best, first, second = far / norm, i, j
-    _towards(Ra, Rb, first, second, way, axis)
-    return float(best)
-
-
-@njit(cache=True)
-def _towards(
-    Ra: Floats, Rb: Floats, first: int, second: int, way: Floats, axis: Floats
-) -> None:  # pragma: no cover (compiled)
-    """Write the unit vector along one axis of both, or across two, from the one to the other."""
-    for i in range(3):
-        u, v = (i + 1) % 3, (i + 2) % 3
-        if second == 3:
-            axis[i] = Ra[i, first]
-        elif first == 3:
-            axis[i] = Rb[i, second]
-        else:
-            axis[i] = Ra[u, first] * Rb[v, second] - Ra[v, first] * Rb[u, second]
-    along, square = 0.0, 0.0
-    for i in range(3):
-        square += axis[i] * axis[i]
-        for m in range(3):
-            along += axis[m] * Ra[m, i] * way[i]
-    factor = (1.0 if along > 0.0 else -1.0) / np.sqrt(square)
-    for i in range(3):
-        axis[i] *= factor

@@ -11,11 +11,11 @@ Where two bodies are not clear that only go around pieces, these are checked.
 from typing import cast
 
 import numpy as np
-from numba import njit
 
 from workbench.model.geometry import Floats
 from workbench.planning.collision.bounds import PairDrift, nearing
 from workbench.planning.collision.distances.cores import Cores
+from workbench.planning.compiled import njit_in_place
 
 TOUCHES, UNCLEAR, CLEAR = 0, 1, 2
 
@@ -29,7 +29,7 @@ FIRST, ONE, TWO, THREE = cast(tuple[int, ...], (*map(np.int64, range(4)),))
 """Arguments with a type of their own: numba compiles a function anew for each plain number."""
 
 
-@njit(cache=True)
+@njit_in_place
 def side(
     a: int,
     b: int,
@@ -50,7 +50,7 @@ def side(
         cores: of all bodies.
         low: [m] nearer than this they touch.
         high: [m] at least this far they are clear; not below `low`.
-        W: scratch (5, 3).
+        W: scratch (15, 3).
 
     Returns:
         `TOUCHES`, `UNCLEAR` (between the limits) or `CLEAR`.
@@ -60,7 +60,7 @@ def side(
     return side_within(a, b, R, c, c, cores, low, still, W)
 
 
-@njit(cache=True)
+@njit_in_place
 def side_within(
     a: int,
     b: int,
@@ -100,27 +100,29 @@ def side_within(
     return answer
 
 
-@njit(cache=True)
+@njit_in_place
 def _is_beyond(
     a: int, k: int, b: int, i: int, R: Floats, c: Floats, cores: Cores, needed: float
 ) -> bool:
     """Whether the ball around core k of body a is `needed` [m] from the box around core i of b."""
-    square, away = 0.0, np.empty(3)
-    for m in range(3):
-        away[m] = c[a, m] - c[b, m]
-        for n in range(3):
-            away[m] += R[a, m, n] * cores.middle[k, n]
+    x, y, z = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
+    for n in range(3):
+        x += R[a, 0, n] * cores.middle[k, n]
+        y += R[a, 1, n] * cores.middle[k, n]
+        z += R[a, 2, n] * cores.middle[k, n]
+    square = 0.0
     for m in range(3):
         along = -cores.middle[i, m]
-        for n in range(3):
-            along += R[b, n, m] * away[n]
+        along += R[b, 0, m] * x
+        along += R[b, 1, m] * y
+        along += R[b, 2, m] * z
         out = max(abs(along) - cores.halves[i, m], 0.0)
         square += out * out
     reach = cores.ball[k] + needed
     return bool(reach < 0.0 or square >= reach * reach)
 
 
-@njit(cache=True)
+@njit_in_place
 def _side_of(
     a: int,
     k: int,
@@ -169,7 +171,7 @@ def _side_of(
     return TOUCHES if below < low else UNCLEAR
 
 
-@njit(cache=True)
+@njit_in_place
 def _support(
     g: int,
     n: int,
@@ -206,7 +208,7 @@ def _support(
         W[row, i] = p if sign > 0 else W[row, i] - p
 
 
-@njit(cache=True)
+@njit_in_place
 def _is_known(W: Floats, n: int) -> bool:
     known = False
     for k in range(n):
@@ -214,12 +216,12 @@ def _is_known(W: Floats, n: int) -> bool:
     return known
 
 
-@njit(cache=True)
+@njit_in_place
 def _dot(W: Floats, i: int, j: int) -> float:
     return float(W[i, 0] * W[j, 0] + W[i, 1] * W[j, 1] + W[i, 2] * W[j, 2])
 
 
-@njit(cache=True)
+@njit_in_place
 def _nearest(W: Floats, n: int) -> int:
     """Reduce the simplex of the first n rows to what holds its point nearest to the origin.
 
@@ -236,20 +238,21 @@ def _nearest(W: Floats, n: int) -> int:
     return _in_solid(W)
 
 
-@njit(cache=True)
+@njit_in_place
 def _keep(W: Floats, a: int, b: int, c: int, n: int, s: float, t: float, r: float) -> int:
     """Move rows a, b, c to the front, as far as n says, and their combination to row 4."""
-    P = np.empty((3, 3))
     for i in range(3):
-        P[0, i], P[1, i], P[2, i] = W[a, i], W[b, i], W[c, i]
-    for i in range(3):
-        W[4, i] = s * P[0, i] + t * P[1, i] + r * P[2, i]
-        for k in range(n):
-            W[k, i] = P[k, i]
+        x, y, z = W[a, i], W[b, i], W[c, i]
+        W[4, i] = s * x + t * y + r * z
+        W[0, i] = x
+        if n > 1:
+            W[1, i] = y
+        if n > 2:
+            W[2, i] = z
     return n
 
 
-@njit(cache=True)
+@njit_in_place
 def _on_edge(W: Floats, a: int, b: int) -> int:
     aa, ab, bb = _dot(W, a, a), _dot(W, a, b), _dot(W, b, b)
     whole = aa - 2 * ab + bb
@@ -261,7 +264,7 @@ def _on_edge(W: Floats, a: int, b: int) -> int:
     return _keep(W, a, b, b, TWO, 1.0 - t, t, 0.0)
 
 
-@njit(cache=True)
+@njit_in_place
 def _on_face(W: Floats, a: int, b: int, c: int) -> int:
     """The regions of a triangle, after Ericson, "Real-Time Collision Detection", 5.1.5."""
     aa, ab, ac = _dot(W, a, a), _dot(W, a, b), _dot(W, a, c)
@@ -295,11 +298,14 @@ def _on_face(W: Floats, a: int, b: int, c: int) -> int:
     return _keep(W, a, b, c, THREE, 1.0 - t - r, t, r)
 
 
-@njit(cache=True)
+@njit_in_place
 def _in_solid(W: Floats) -> int:
-    """The nearest face that the origin is outside of; 0 when there is none."""
+    """The nearest face that the origin is outside of; 0 when there is none.
+
+    It writes to the rows of W from the fifth on.
+    """
     best, kept = 1e30, 0
-    S, T = np.empty((5, 3)), np.empty((5, 3))
+    T, S = W[5:10], W[10:15]
     is_outside = False
     for face in range(4):
         a, b, c, d = (face + 1) % 4, (face + 2) % 4, (face + 3) % 4, face
@@ -324,7 +330,7 @@ def _in_solid(W: Floats) -> int:
     return kept
 
 
-@njit(cache=True)
+@njit_in_place
 def _beyond(W: Floats, a: int, b: int, c: int, d: int) -> bool:
     """Whether a face parts the origin from the fourth corner d; also when the solid is flat."""
     e0, e1, e2 = W[b, 0] - W[a, 0], W[b, 1] - W[a, 1], W[b, 2] - W[a, 2]

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
+from workbench.planning.compiled import njit_in_place
 
 
 @njit(cache=True)
@@ -87,7 +88,7 @@ def close_pairs(
     return pairs[order], least[order]
 
 
-@njit(cache=True)
+@njit_in_place
 def _to_box(out: Floats) -> float:
     """How far a point [m] is from a box whose faces it is `out` (3,) [m] of; below 0 within."""
     square, most = 0.0, -np.inf

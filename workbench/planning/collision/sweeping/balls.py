@@ -5,20 +5,20 @@ that there is nothing to bound and nothing to search.
 """
 
 import numpy as np
-from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.distances.cores import BALL, BOX, OTHER
+from workbench.planning.compiled import njit_in_place
 
 
-@njit(cache=True)
+@njit_in_place
 def has_formula(a: int, b: int, form: Ints) -> bool:
     """Whether `ball_gap` knows the distance of bodies a and b; `form` (b,) has no unit."""
     first, second = form[a], form[b]
     return (first == BALL and second != OTHER) or (second == BALL and first != OTHER)
 
 
-@njit(cache=True)
+@njit_in_place
 def ball_gap(
     a: int,
     b: int,

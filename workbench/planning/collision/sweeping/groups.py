@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
+from workbench.planning.compiled import njit_in_place
 
 
 class Groups(NamedTuple):
@@ -64,7 +65,7 @@ def groups_of(among: Ints, margins: Floats, first: Ints, second: Ints, joint: In
     return Groups(pairs, begins, most, np.arange(found), group)
 
 
-@njit(cache=True)
+@njit_in_place
 def move_to_front(pair: int, groups: Groups) -> None:
     """Have a pair that touched be the first of its group, and this the first of all."""
     g = groups.group[pair]

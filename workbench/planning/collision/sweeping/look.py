@@ -3,7 +3,6 @@
 from typing import NamedTuple, cast
 
 import numpy as np
-from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.bounds import Boxes, PairDrift, lower_bound, nearing, out_of_box
@@ -12,6 +11,7 @@ from workbench.planning.collision.distances.gjk import CLEAR, TOUCHES, UNCLEAR, 
 from workbench.planning.collision.sweeping.balls import ball_gap, has_formula
 from workbench.planning.collision.sweeping.groups import Groups
 from workbench.planning.collision.sweeping.scratch import Scratch, place_body, place_joints
+from workbench.planning.compiled import njit_in_place
 from workbench.planning.kinematics.robot import JointTree
 
 LOOSENESS = 0.005
@@ -40,7 +40,7 @@ class Model(NamedTuple):
     cores: Cores
 
 
-@njit(cache=True)
+@njit_in_place
 def look_at(
     begin: int,
     asked: int,
@@ -157,7 +157,7 @@ def look_at(
     return touching, kept, furthest
 
 
-@njit(cache=True)
+@njit_in_place
 def _hubs_apart(
     a: int,
     b: int,
@@ -187,7 +187,7 @@ def _hubs_apart(
     return float(far - hub[i, 3] - hub[j, 3])
 
 
-@njit(cache=True)
+@njit_in_place
 def drift_of(
     a: int,
     b: int,

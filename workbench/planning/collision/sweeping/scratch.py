@@ -12,6 +12,7 @@ from numba import njit
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.bounds import Boxes, joint_pose
 from workbench.planning.collision.distances.cores import BALL, Cores
+from workbench.planning.compiled import njit_in_place
 from workbench.planning.kinematics.robot import JointTree
 
 MOST_PENDING = 512
@@ -39,7 +40,7 @@ class Scratch(NamedTuple):
     `normal` (3,) is a direction in which something was found to be apart.
     `placed` (b,) are the numbers of the last looks in which a body was placed, `look` (1,) that of
     the last one.  `pending` (p, 3, n) are curves to be
-    checked, with `begins` and `sizes` (p,) of their pairs in `open_pairs` (o,); `W` (5, 3) is
+    checked, with `begins` and `sizes` (p,) of their pairs in `open_pairs` (o,); `W` (15, 3) is
     scratch of `gjk`.
     """
 
@@ -98,7 +99,7 @@ def scratch_for(
         np.zeros((bodies, 3, 3)), np.zeros((bodies, 3)), np.zeros(3),
         np.zeros(bodies, np.int64), np.zeros(1, np.int64),
         np.empty((MOST_PENDING, 3, n)), np.empty(MOST_PENDING, np.int64),
-        np.empty(MOST_PENDING, np.int64), np.empty(MOST_OPEN, np.int64), np.empty((5, 3)),
+        np.empty(MOST_PENDING, np.int64), np.empty(MOST_OPEN, np.int64), np.empty((15, 3)),
     )  # fmt: skip
     for i in range(3):
         scratch.R_j[0, i, i] = 1.0
@@ -141,7 +142,7 @@ def _hubs(joints: int, boxes: Boxes) -> Floats:
     return hub
 
 
-@njit(cache=True)
+@njit_in_place
 def place_joints(tree: JointTree, scratch: Scratch) -> None:
     """Write where the joints that move are at `scratch.q`, and how far their bodies can move."""
     parents, q, R_j, p_j, z_j = tree.parents, scratch.q, scratch.R_j, scratch.p_j, scratch.z_j
@@ -163,7 +164,7 @@ def place_joints(tree: JointTree, scratch: Scratch) -> None:
         _walk(j, hub[j, 3], tree, scratch, scratch.most, scratch.rest)
 
 
-@njit(cache=True)
+@njit_in_place
 def _walk(
     row: int, radius: float, tree: JointTree, scratch: Scratch, most: Floats, rest: Floats
 ) -> None:
@@ -192,7 +193,7 @@ def _walk(
         most[row, j], rest[row, j] = moved, beside
 
 
-@njit(cache=True)
+@njit_in_place
 def _place_hub(j: int, R_j: Floats, p_j: Floats, hub: Floats, hub_c: Floats) -> None:
     for i in range(3):
         hub_c[j, i] = p_j[j, i]
@@ -200,7 +201,7 @@ def _place_hub(j: int, R_j: Floats, p_j: Floats, hub: Floats, hub_c: Floats) -> 
             hub_c[j, i] += R_j[j, i, k] * hub[j, k]
 
 
-@njit(cache=True)
+@njit_in_place
 def place_body(
     g: int,
     j: int,

@@ -18,6 +18,7 @@ from workbench.planning.collision.sweeping.look import (
     look_at,
 )
 from workbench.planning.collision.sweeping.scratch import Scratch, scratch_for
+from workbench.planning.compiled import njit_in_place
 
 CHECKED_TOGETHER = 0.03
 """[rad] Curves one after the other, as corners are made of, are checked together up to here."""
@@ -127,7 +128,7 @@ def _is_box_clear(
     return found == IS_CLEAR and kept == count
 
 
-@njit(cache=True)
+@njit_in_place
 def curve_swept(
     columns: Ints,
     resolution: float,
@@ -191,7 +192,7 @@ def curve_swept(
     return IS_CLEAR, at
 
 
-@njit(cache=True)
+@njit_in_place
 def _halve(pending: Floats, at: int, last: int) -> None:
     """Put both halves of the curve at `at` behind the last one pending."""
     for i in range(pending.shape[2]):

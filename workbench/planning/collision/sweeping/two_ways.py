@@ -9,6 +9,7 @@ from numba import njit
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.sweeping.edges import Edges
 from workbench.planning.collision.sweeping.look import ANY, FIRST, IS_CLEAR, TOO_LONG, look_at
+from workbench.planning.compiled import njit_in_place
 
 
 @njit(cache=True)
@@ -69,7 +70,7 @@ def ways_met(first: Floats, second: Floats, most: int, edges: Edges) -> tuple[in
     return IS_CLEAR, curves, at + 4
 
 
-@njit(cache=True)
+@njit_in_place
 def _look(begin: int, asked: int, used: int, edges: Edges) -> tuple[int, int, float]:
     return look_at(
         begin, asked, used, edges.margins, edges.commons, edges.model, edges.groups, edges.scratch,
@@ -77,7 +78,7 @@ def _look(begin: int, asked: int, used: int, edges: Edges) -> tuple[int, int, fl
     )  # fmt: skip
 
 
-@njit(cache=True)
+@njit_in_place
 def _middle(begin: float, end: float) -> float:
     """The middle of a piece of a chain: of more than one curve, between two of them."""
     middle = (begin + end) / 2
@@ -121,7 +122,7 @@ def _put(way: Floats, begin: float, end: float, first: int, edges: Edges) -> tup
     return curve, most
 
 
-@njit(cache=True)
+@njit_in_place
 def _at(way: Floats, curve: int, i: int, s: float, u: float) -> float:
     """The control point of joint i between the places s and u on a curve; where equal, the curve.
 

@@ -5,6 +5,7 @@ integrals over surfaces.
 """
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
@@ -82,6 +83,7 @@ def _is_alike(stated: Load, meant: pin.Inertia, off: float) -> bool:
     )
 
 
+@lru_cache(maxsize=64)
 def _of_tool(tool: Tool) -> pin.Inertia:
     assert tool.mass is not None
     even = _even([*tool.body, *(finger.solid for finger in tool.fingers)], tool.mass)
@@ -90,6 +92,7 @@ def _of_tool(tool: Tool) -> pin.Inertia:
     return pin.Inertia(tool.mass, np.array(centre), np.array(inertia))
 
 
+@lru_cache(maxsize=256)
 def _of_part(part: Part) -> pin.Inertia:
     if is_closed(part.mesh):
         return _even([Solid(part.name, part.mesh, pin.SE3.Identity())], part.mass)

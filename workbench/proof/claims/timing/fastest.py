@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
+from workbench.proof.engine.compiled import njit_in_place
 
 SOONEST = 0.001
 """[s] From a waypoint to an equal one."""
@@ -34,7 +35,7 @@ BEFORE, AFTER = cast(bool, np.True_), cast(bool, np.False_)
 """Arguments with a type of their own: numba compiles a function anew for each plain one."""
 
 
-@njit(cache=True)
+@njit_in_place
 def _room(
     before: Floats, after: Floats, width: float, acceleration: Floats, x: float, is_before: bool
 ) -> tuple[float, float]:  # pragma: no cover (compiled)
@@ -59,7 +60,7 @@ def _room(
     return least, largest
 
 
-@njit(cache=True)
+@njit_in_place
 def _most(
     before: Floats,
     after: Floats,
@@ -139,7 +140,7 @@ def fastest(
     return x
 
 
-@njit(cache=True)
+@njit_in_place
 def seconds(x: Floats, widths: Floats) -> float:  # pragma: no cover (compiled)
     """How long [s] it takes along marks at squared speeds (k,)."""
     total = 0.0

@@ -1,0 +1,20 @@
+"""Compiling of functions that make no array: what counts where pairs of bodies are sieved."""
+
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+from numba import njit
+
+Function = TypeVar("Function", bound=Callable[..., object])
+
+IN_PLACE: dict[str, Any] = {"cache": True, "_nrt": False}
+"""`_nrt`: numba's counting of references.  A call counts every array of its arguments, up and down,
+which takes longer than most of what is called here."""
+
+
+def njit_in_place(function: Function) -> Function:
+    """Compile a function that writes into arrays it is handed, makes none, and returns numbers.
+
+    It may only call such functions: numba refuses to compile a new array in what they call.
+    """
+    return cast(Function, njit(**IN_PLACE)(function))
