@@ -54,6 +54,8 @@ def test_going_on_stands_beside_the_scan_and_says_why_it_cannot_be_pressed(panel
     ):
         layout(panel, view_of(state))
         assert button.disabled != is_open, state.phase
+        is_moving = state.phase is Phase.SENDING
+        assert button.label == ("Prepare next cycle" if is_moving else "Next cycle")
         assert button.hint
     ahead = replace(states.sending, ahead=Ahead(GoOn()))
     layout(panel, view_of(ahead))

@@ -23,6 +23,9 @@ from workbench.model.messages.states import task_message
 
 SAYS = "Scans, finds the parts and plans; then a person looks and approves."
 
+NEXT_CYCLE, PREPARE = "Next cycle", "Prepare next cycle"
+"""What the button is called; while the robot moves, no cycle begins: the next one is prepared."""
+
 AHEAD_HINT = (
     "It begins as soon as the scanner sees past the arms, at the latest when the plan has ended."
 )
@@ -50,7 +53,7 @@ class GoOnButton:
         """
         self._visitor, self._seed, self._wanted = visitor, seed, wanted
         gui = visitor.gui
-        self.button = gui.add_button("Next cycle", icon=viser.Icon.REPEAT, hint=SAYS)
+        self.button = gui.add_button(NEXT_CYCLE, icon=viser.Icon.REPEAT, hint=SAYS)
         self._line = gui.add_html("", visible=False)
         self.button.on_click(lambda _: self._on_pressed())
 
@@ -71,6 +74,9 @@ class GoOnButton:
             self._line.content = line(
                 visitor.words.render(_progress(state, state.ahead)), kind="hint"
             )
+        label = PREPARE if state.phase is Phase.SENDING else NEXT_CYCLE
+        if self.button.label != label:
+            self.button.label = label
         problem = visitor.refusal(state, GoOn(), new.at)
         visitor.allow(self.button, visitor.words.render(problem))
         if state.phase is Phase.SENDING and not problem:

@@ -5,6 +5,7 @@ from html import escape
 
 import numpy as np
 
+from workbench.app.core.cycle.sending import step_reported
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clock, line, parts_placed, table_html
@@ -45,8 +46,9 @@ def link_html(view: View, words: Words = IN_ENGLISH) -> str:
     phase = as_message(WORDS.get(state.phase, "closed"))
     if state.phase is Phase.SENDING and link.phase:
         phase = as_message(link.phase)
-        if link.step:
-            phase = LinkPageText.STEP(phase=phase, number=link.step, total=link.steps)
+        number = step_reported(state)
+        if number and state.plan is not None:
+            phase = LinkPageText.STEP(phase=phase, number=number, total=len(state.plan.sequence))
     name = LabelText.NAME(name=controller.link)
     if link.version:
         name = LinkPageText.VERSION(link=controller.link, version=link.version)
