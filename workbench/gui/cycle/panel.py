@@ -154,11 +154,11 @@ class CyclePanel:
             self._row.add_wanted()
             self._threshold.add_forecast()
             self._plan_line = gui.add_html("")
+            self._help_line = gui.add_html("", visible=False)
+            self._fix = FixInputs(self._visitor)
             self._row.add_row()
             self._stir = StirButton(self._visitor, self._seed)
             self._tool = ToolButton(self._visitor, self._seed)
-            self._help_line = gui.add_html("", visible=False)
-            self._fix = FixInputs(self._visitor)
 
     def _add_sending(self, gui: viser.GuiApi) -> None:
         with group(gui, "4 · Approve, 5 · Send to the robot") as sending:
