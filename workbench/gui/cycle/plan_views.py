@@ -4,7 +4,9 @@ from html import escape
 
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.state import State
+from workbench.gui.cycle.unsaved import unsaved_message
 from workbench.gui.shared.views import hint, line, message_text, mm, sentence
+from workbench.gui.texts.approval import ApprovalText
 from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.candidate import Reason
 from workbench.model.messages.message import all_of
@@ -50,7 +52,10 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
     said = (result, *(() if speed is None else (speed,)), *plan.remarks)
     text = message_text(all_of(said) or result, words)
     kind = "warn" if plan.goes_unseen else "result"
-    return _card(state, plan, proof, words) + line(text, kind=kind, tip=text)
+    unsaved = unsaved_message(state)
+    rests = words.render(None if unsaved is None else ApprovalText.RESTS_ON(changes=unsaved))
+    warning = line(rests, kind="warn", tip=rests) if rests else ""
+    return _card(state, plan, proof, words) + line(text, kind=kind, tip=text) + warning
 
 
 def _no_plan_line(state: State, words: Words) -> str:
