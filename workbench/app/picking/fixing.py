@@ -17,7 +17,6 @@ from workbench.model.part import Grasp, GraspPattern, widen_grasp
 from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.planning.picking.nearest_fix import Fix
 
-
 SAME_LENGTH, SAME_ANGLE = 5e-5, math.radians(0.05)
 """[m], [rad] Of these nothing is seen in the digits that people read."""
 

@@ -169,11 +169,10 @@ def _facts(state: State, joints: Mapping[str, float], at: float) -> tuple[list[F
 
 
 def _cycle(state: State) -> Message:
-    row = state.whole_row
-    if len(row) > 1:
-        seconds = sum(proven_plan.plan.cycle_seconds for proven_plan in row)
+    seconds = sum(plan.cycle_seconds for plan in state.plans)
+    if len(state.plans) > 1:
         return ApprovalText.ALL_SECONDS(cycle=seconds)
-    return cycle_words(row[0].plan.cycle_seconds, state.bound)
+    return cycle_words(seconds, state.bound)
 
 
 def _warnings(state: State) -> list[Message]:

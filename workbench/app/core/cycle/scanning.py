@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+
 from workbench.app.core.cell.views import views_message
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import (
@@ -38,6 +40,9 @@ from workbench.model.scan import ALL_KINDS, Scan
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
+
+SAME_POSE_WITHIN = 0.02
+"""[rad, m] Joints nearer to each other than this are those of one pose of the plate."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,6 +107,10 @@ class SightPlate(Command):
         refuse(plate_problem(state.cell, self.arm, self.q, asked.joints))
         if len(state.observations) >= MOST_OBSERVATIONS:
             raise CommandRefused(ChangeRefusal.MOST_POSES_TAKEN(most=MOST_OBSERVATIONS))
+        for other in state.observations:
+            is_alike = other.is_used and other.arm == self.arm and other.q.shape == self.q.shape
+            if is_alike and np.abs(other.q - self.q).max() < SAME_POSE_WITHIN:
+                raise CommandRefused(ChangeRefusal.SAME_POSE(arm=self.arm, pose=other.name))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return sight_plate(state, entry, self)
