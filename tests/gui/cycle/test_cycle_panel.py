@@ -62,6 +62,17 @@ def test_going_on_stands_beside_the_scan_and_says_why_it_cannot_be_pressed(panel
     assert button.disabled and panel._go_on._line.visible
 
 
+def test_before_the_next_simulated_scan_the_page_says_that_no_part_stays(panel, states, view_of):
+    stays = panel._go_on._stays
+    shown = [(layout(panel, view_of(state)), stays.visible)[1] for state in states.all]
+    names = [state.phase for state, is_shown in zip(states.all, shown, strict=True) if is_shown]
+    assert names == [Phase.SENDING, Phase.DONE, Phase.FAULT]
+    scanner = replace(states.done.cell.scanner, source="folder")
+    real = replace(states.done, cell=replace(states.done.cell, scanner=scanner))
+    layout(panel, view_of(real))
+    assert not stays.visible
+
+
 def test_play_stands_before_the_approval_that_asks_for_it(panel, states, view_of):
     layout(panel, view_of(states.planned))
     assert panel._find.order < panel._play.button.order < panel._approve.order

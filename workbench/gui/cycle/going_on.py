@@ -31,6 +31,15 @@ AHEAD_HINT = (
 )
 """What is said beside that while something is sent."""
 
+NOTHING_STAYS = (
+    "Simulation: no part stays. Scan drops the pile of this seed again, the next cycle that of "
+    "the next seed."
+)
+"""What becomes of parts that are left in the bin, where no real one lies there."""
+
+AFTER_A_PICK = frozenset({Phase.SENDING, Phase.DONE, Phase.FAULT})
+"""Phases in which a person asks what becomes of the parts that are left."""
+
 
 class GoOnButton:
     """To be pressed while a plan is sent, and once a cycle has ended well.
@@ -55,6 +64,7 @@ class GoOnButton:
         gui = visitor.gui
         self.button = gui.add_button(NEXT_CYCLE, icon=viser.Icon.REPEAT, hint=SAYS)
         self._line = gui.add_html("", visible=False)
+        self._stays = gui.add_html(line(NOTHING_STAYS, kind="hint"), visible=False)
         self.button.on_click(lambda _: self._on_pressed())
 
     def _on_pressed(self) -> None:
@@ -70,6 +80,10 @@ class GoOnButton:
         """Bring it up to date."""
         state, visitor = new.state, self._visitor
         self._line.visible = state.ahead is not None
+        is_simulated = state.cell.scanner.source == "simulated" and not visitor.is_recorded
+        is_asked = state.phase in AFTER_A_PICK or state.unscanned is not None
+        has_picked = state.plan is None or bool(state.plan.picks)
+        self._stays.visible = is_simulated and is_asked and has_picked
         if state.ahead is not None:
             self._line.content = line(
                 visitor.words.render(_progress(state, state.ahead)), kind="hint"
