@@ -30,7 +30,6 @@ from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
 from workbench.planning.grasps.part_symmetry import proposed_symmetry
 from workbench.planning.kinematics.quickness import tool_acceleration
 
-
 RANKED_OF_EACH, FEWEST_RANKED = 3, 24
 """Times as many grasps as are listed, and at least these, are tried against the bin."""
 
