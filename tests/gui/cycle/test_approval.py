@@ -9,8 +9,8 @@ import pytest
 from workbench.app.core.state import EditedCell
 from workbench.gui.cycle.approval import ApprovalDialog
 from workbench.gui.cycle.approval_views import facts_html
-from workbench.gui.cycle.plan_views import plan_line
-from workbench.gui.cycle.unsaved import unsaved_message
+from workbench.gui.cycle.plan_views import left_message, plan_line, unsaved_message
+from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.messages.message import plain
 from workbench.model.messages.plans import PlanNote
 from workbench.words.words import IN_ENGLISH
@@ -143,3 +143,29 @@ def test_what_is_not_saved_is_said_at_the_plan_and_names_the_last_change(states)
     assert "Rests on what is not saved: 2 changes" in plan_line(edited)
     unknown = replace(edited, saved="elsewhere")
     assert str(unsaved_message(unknown)) == "cell or grasps differ from their files"
+
+
+def test_a_plan_says_why_most_of_the_other_parts_are_left(states, cell):
+    planned = states.planned
+    spare = planned.plan.detections[0]
+    plan = replace(planned.plan, detections=(*planned.plan.detections, spare, spare, spare))
+    assert left_message(planned) is None, "it takes both"
+
+    def candidate(part, reason, arm="left"):
+        some = planned.candidates[0]
+        verdict = Verdict(reason, Stage.GRASP)
+        return replace(some, detection=part, arm=arm, verdict=verdict)
+
+    refused = [candidate(part, Reason.OUT_OF_REACH) for part in (2, 3)]
+    last = candidate(4, Reason.TOOL_COLLISION)
+    state = replace(planned, plan=plan, candidates=(*refused, last))
+    assert str(left_message(state)) == (
+        "3 parts left; most frequent reason: unreachable (2, left and right arm)"
+    )
+    assert "3 parts left; most frequent reason" in plan_line(state)
+    # Of a plan by one arm it is about the other one.
+    right = next(pick for pick in plan.picks if pick.arm == "right")
+    alone = replace(state, plan=replace(plan, arms=(right,), detections=plan.detections))
+    assert str(left_message(alone)).endswith("left arm)")
+    able = replace(alone, candidates=tuple(candidate(k, Reason.OK) for k in range(5)))
+    assert str(left_message(able)) == "4 parts left for a later plan"

@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 from workbench.app.core.cycle.approval import standing_votes
 from workbench.app.core.cycle.standing import moved_away
 from workbench.app.core.state import Phase, State
-from workbench.gui.cycle.unsaved import unsaved_message
+from workbench.gui.cycle.plan_views import unsaved_message
 from workbench.gui.drawing.nearest import certificates_of, free_message, straight_lines
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.gui.texts.approval import ApprovalText
-from workbench.gui.texts.labels import LabelText
+from workbench.gui.texts.labels import LabelText, arm_label
 from workbench.model.candidate import label_grasp
 from workbench.model.cell import Cell
 from workbench.model.derived.row_parts import parts_taken, renumber
@@ -191,24 +191,24 @@ def _plan(cell: Cell, plan: Plan) -> list[Fact]:
     """What one plan takes, and how."""
     facts: list[Fact] = [("Strategy", _strategy(plan, _usual_remarks(plan.remarks)))]
     if plan.is_view_plan and (carrier := cell.scanner.on_arm) is not None:
-        name = LabelText.ARM(arm=carrier.arm.capitalize())
+        name = arm_label(carrier.arm)
         leads_home = carrier.leads_home(plan.arms[0].legs[0].q)
         to_view = ApprovalText.TO_VIEW(view=carrier.view.name)
         facts.append((name, ApprovalText.TO_HOME() if leads_home else to_view))
     if plan.is_stir_plan:
-        name = LabelText.ARM(arm=plan.strategy.arm.capitalize())
+        name = arm_label(plan.strategy.arm)
         opening = plan.arms[0].leg("stir").opening
         has_fingers = bool(cell.arm(plan.strategy.arm).tool.fingers)
         stirs = ApprovalText.STIRS_OPEN(opening=opening) if has_fingers else ApprovalText.STIRS()
         facts.append((name, stirs))
     if plan.is_tool_plan:
-        name = LabelText.ARM(arm=plan.strategy.arm.capitalize())
+        name = arm_label(plan.strategy.arm)
         old, new = cell.arm(plan.strategy.arm).tool.name, plan.arms[0].tool
         facts.append((name, ApprovalText.CHANGES_TOOL(old=old, new=new)))
     for arm in plan.picks:
         kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
         grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=label_grasp(arm.grasp, arm.tcp))
-        facts.append((LabelText.ARM(arm=arm.arm.capitalize()), grasp))
+        facts.append((arm_label(arm.arm), grasp))
     return facts
 
 
