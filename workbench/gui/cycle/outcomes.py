@@ -12,7 +12,6 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.cycle import CyclePageText
-from workbench.gui.texts.labels import side_label
 from workbench.model.errors import InputError
 from workbench.model.messages.message import FoundPart, as_message
 from workbench.model.plan import ArmPlan, Plan
@@ -215,4 +214,4 @@ def _first_step_with_part(plan: Plan, arm: ArmPlan) -> int:
 
 
 def _label(arm: str, result: PickResult, words: Words) -> str:
-    return words.render(LABELS[result](arm=side_label(arm)))
+    return words.render(LABELS[result](arm=arm.capitalize()))

@@ -10,8 +10,6 @@ class LabelText(Text, subject="page"):
     ARM = "{arm} arm"
     LEFT_ARM = "Left arm"
     RIGHT_ARM = "Right arm"
-    LEFT = "Left"
-    RIGHT = "Right"
     ADDRESS = "{host} port {port}"
     AT_LEAST = "at least {distance:mm}"
     TOUCHING = "touching"
@@ -26,9 +24,3 @@ def arm_label(arm: str) -> Message:
     """An arm in a label: `Left arm`; other names than left and right stay as the cell has them."""
     known = {"left": LabelText.LEFT_ARM, "right": LabelText.RIGHT_ARM}.get(arm)
     return LabelText.ARM(arm=arm.capitalize()) if known is None else known()
-
-
-def side_label(arm: str) -> Message | str:
-    """An arm's name before a word: `Left`; other names stay as the cell has them."""
-    known = {"left": LabelText.LEFT, "right": LabelText.RIGHT}.get(arm)
-    return arm.capitalize() if known is None else known()
