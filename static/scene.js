@@ -6,7 +6,6 @@ const WAIT_MS = 150;  // after a change of the page, until it is looked at
 
 const ICONS = {
   ".tabler-icon-list-search": word("All commands and keys"),
-  ".tabler-icon-adjustments": word("Connection and view"),
   ".mantine-Notification-closeButton svg": word("Close"),
 };
 
