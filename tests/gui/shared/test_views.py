@@ -367,10 +367,8 @@ def test_the_link_tells_protocol_state_acknowledgement_and_stop(states, view_of)
     )
     parts = (PartReport("right", 0, True), PartReport("left", 1, False, "closed to 0.0 mm"))
     heard = replace(states.sending.receipts[-1], step=2)
-    receipts = (*states.sending.receipts, heard)
-    state = replace(states.sending, part_reports=parts, receipts=receipts)
-    view = replace(view_of(state, live=Live(link=link)), at=NOW)
-    text = Reader(link_views.link_html(view)).text
+    state = replace(states.sending, part_reports=parts, receipts=(heard,))
+    text = Reader(link_views.link_html(view_of(state, live=Live(link=link)))).text
     for expected in (
         "abb-socket/2 (protocol abb-socket/2)",
         f"running, step 2 of {len(state.plan.sequence)}",

@@ -62,6 +62,7 @@ class CyclePageText(Text, subject="page-cycle"):
     BEFORE_STEP = "Before step 1 of {total}"
     RUN_STEP = "Run step {number} of {total}: {legs}"
     STEP_RUNS = "Step {number} of {total} runs: {legs}"
+    PARTS_STAY = "Simulation: the next scan shows the {count} {count:part|parts} left in the bin"
     RUNS_MEANWHILE = "During the motion runs {task}."
     PICKED = "{arm} picked"
     FAILED = "{arm} failed"

@@ -204,8 +204,8 @@ def rank_for_bin(
         found: the suggestions, which stay in their order where they are equally useful.
 
     Returns:
-        Each with its share, 0 to 1, of the ways in which the part comes to lie in the bin, at
-        three places and turned four ways: hand and arm fit there, see `Trial.works`.
+        Each with its share, 0 to 1, of the ways in which the part comes to lie in the bin.  Hand
+        and arm fit there, see `Trial.works`; the part lies at three places, turned four ways.
     """
     if not found:
         return ()

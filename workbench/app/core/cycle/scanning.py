@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.app.core.cell.views import views_message
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
@@ -13,9 +14,18 @@ from workbench.app.core.cycle.arm_scanner import (
     standing_joints,
     view_problem,
 )
+from workbench.app.core.cycle.outcomes import parts_sent_for
 from workbench.app.core.people import Role
-from workbench.app.core.picks import Avoided
-from workbench.app.core.state import Phase, ScanState, State, begin_stage, stale_by
+from workbench.app.core.picks import Avoided, SimulatedPile
+from workbench.app.core.state import (
+    Phase,
+    ScanState,
+    State,
+    begin_stage,
+    is_remembered,
+    sent_for,
+    stale_by,
+)
 from workbench.app.core.tasks import Begun, begin_task
 from workbench.app.core.value_checks import (
     MOST_OBSERVATIONS,
@@ -29,13 +39,14 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.calibration import BallPlate, PlateObservation
 from workbench.model.cell import Cell
-from workbench.model.digest import called
+from workbench.model.digest import LATER, called
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.messages.commands import CommandText, StaleText
 from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
+from workbench.model.release import PickResult
 from workbench.model.scan import ALL_KINDS, Scan
 
 if TYPE_CHECKING:
@@ -50,7 +61,8 @@ class TakeScan(Command):
     """Trigger the scanner.  `seed`, `parts` and `part` shape the simulated pile; 0 parts: none.
 
     `part` is which kind falls, of those that the cell picks; "all": one of each in turn; empty:
-    what kits consist of, or the first.
+    what kits consist of, or the first.  With `stays` the parts that are left of the same pile stay
+    where they are, as long as some are left; otherwise the pile falls anew.
     """
 
     right: ClassVar[Right] = Right(CommandText.TAKE_SCAN, SAFE)
@@ -58,6 +70,7 @@ class TakeScan(Command):
     seed: int = 0
     parts: int = 2
     part: str = ""
+    stays: bool = field(default_factory=bool, metadata=LATER)
 
     def check(self, state: State, asked: Asked) -> None:
         check_scan(state.cell, self)
@@ -160,11 +173,55 @@ def take_scan(
         "parts": command.parts,
         "part": command.part,
     }
+    pile = next_pile(state, command) if command.stays else None
+    if pile is not None and pile.lifted:
+        arguments["lifted"] = pile.lifted
     if state.cell.scanner.on_arm is not None:
         arguments["joints"] = standing_joints(state.cell, entry.joints)
     if state.earlier is not None:
         arguments["earlier"] = state.earlier
-    return begin_task(state, entry, "scan", arguments, StateText.SCANNING(), then=then)
+    return begin_task(state, entry, "scan", arguments, StateText.SCANNING(), then=then, pile=pile)
+
+
+def next_pile(state: State, command: TakeScan) -> SimulatedPile | None:
+    """The pile that a scan shows whose parts stay; None where no scanner is simulated.
+
+    Once all parts were taken, the same pile falls again.
+    """
+    if state.cell.scanner.source != "simulated":
+        return None
+    return left_pile(state, command) or _fresh_pile(state, command)
+
+
+def left_pile(state: State, command: TakeScan) -> SimulatedPile | None:
+    """What is left of the pile that a scan asks for; None where it falls anew."""
+    known, fresh = state.pile, _fresh_pile(state, command)
+    if known is None or known.name != fresh.name:
+        return None
+    left = replace(known, lifted=(*known.lifted, *_lifted_since(state)))
+    return left if left.left > 0 else None
+
+
+def _fresh_pile(state: State, command: TakeScan) -> SimulatedPile:
+    return SimulatedPile(command.seed, command.parts, command.part, state.cell.bin.name)
+
+
+def _lifted_since(state: State) -> tuple[pin.SE3, ...]:
+    """Where the parts lay that were taken since the last scan, `T_world_part`.
+
+    Those of which nobody has said anything are taken to be picked, except after a fault.
+    """
+    sent = sent_for(state)
+    has_moved = state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
+    if sent is None or not (has_moved or is_remembered(state)):
+        return ()
+    became = {outcome.detection: outcome.became for outcome in sent.outcomes}
+    usual = PickResult.PICKED if state.phase in (Phase.SENDING, Phase.DONE) else PickResult.FAILED
+    return tuple(
+        sent.plans[0].detections[number].T_world_part
+        for number in dict.fromkeys(number for number, _ in parts_sent_for(state))
+        if became.get(number, usual) is not PickResult.FAILED
+    )
 
 
 def with_scan(state: State, scan: Scan, at: float) -> State:
