@@ -27,7 +27,7 @@ STYLE = "div:has(> div > .wb-head) > div:has(> .wb-control) { grid-column: span 
 
 
 DOUBLE_CLICK = 0.7
-"""[s] A press that comes this soon after another one is the second click of a double click."""
+"""[s] A press this soon after one of the same button is the second click of a double click."""
 
 
 class ControlStrip:
@@ -49,7 +49,6 @@ class ControlStrip:
         self._take = gui.add_button("Take control", icon=viser.Icon.HAND_GRAB, visible=False)
         self._give = gui.add_button("Hand over", icon=viser.Icon.CHECK, visible=False)
         self._keep = gui.add_button("Keep", icon=viser.Icon.X, color="gray", visible=False)
-        self._pressed_at = -DOUBLE_CLICK
         self._on_single_press(self._take, TakeControl)
         self._on_single_press(self._ask, AskForControl)
         self._on_single_press(self._back, ReleaseControl)
@@ -63,11 +62,13 @@ class ControlStrip:
 
         After the first click the same button may be about another person.
         """
+        pressed_at = -DOUBLE_CLICK
 
         @button.on_click
         def _(_: object) -> None:
-            before, self._pressed_at = self._pressed_at, time.monotonic()
-            if self._pressed_at - before >= DOUBLE_CLICK:
+            nonlocal pressed_at
+            before, pressed_at = pressed_at, time.monotonic()
+            if pressed_at - before >= DOUBLE_CLICK:
                 self._visitor.ask(command)
 
     def show(self, old: View | None, new: View) -> None:
