@@ -6,7 +6,6 @@ const WAIT_MS = 150;  // after a change of the page, until it is looked at
 
 const ICONS = {
   ".tabler-icon-list-search": word("All commands and keys"),
-  ".tabler-icon-adjustments": word("Connection and view"),
   ".mantine-Notification-closeButton svg": word("Close"),
 };
 
@@ -21,6 +20,8 @@ const UNFOLDED_MS = 300;  // after which an opened group has its height
 
 const CORRECTED_MS = 4000;  // for which a field says that it did not take a number
 
+const REFUSED_MS = 8000;  // for which a refusal stands beside what was refused
+
 const FIELDS = "input:not([type=hidden]), textarea, [role=slider]";
 
 const scene = document.getElementById("scene");
@@ -29,6 +30,7 @@ let left = null;     // where the focus was last in HTML that may be written ane
 let timer = null;
 let clicked = null;  // the button that was clicked last
 let held = null;     // around the button that was clicked, until the pointer leaves it
+let used = null;     // the field that was typed in last, or the button that was pressed since
 let chosen = "";     // what says which row of a table is chosen
 
 const here = () => scene.contentDocument;
@@ -116,6 +118,7 @@ function dress() {
     (field ?? dialog.querySelector(".wb-read"))?.focus();
   }
   for (const { list, item } of LISTS) every(list).forEach((one) => dressList(one, item));
+  bringRefusals();
   showChosen();
   comeBack();
 }
@@ -161,6 +164,7 @@ function pressed(event) {
   const button = event.target.closest("button, [role=button]");
   const isMeant = event.detail < 2 || button === clicked;
   clicked = button;
+  if (isMeant && button?.matches(".mantine-Button-root")) used = button.parentElement;
   if (!isMeant) take(event);
 }
 
@@ -194,7 +198,10 @@ function tellWhole(event) {
 }
 
 function noteTyped(event) {
-  if (event.target.closest?.(".mantine-NumberInput-root")) event.target.dataset.typed = event.target.value;
+  const field = event.target.closest?.(".mantine-NumberInput-root");
+  if (!field) return;
+  used = field;
+  event.target.dataset.typed = event.target.value;
 }
 
 function sayCorrected(event) {
@@ -205,13 +212,35 @@ function sayCorrected(event) {
   delete field.dataset.typed;
   setTimeout(() => {
     if (!typedText || !field.isConnected || Number(typedText) === Number(field.value)) return;
-    const note = here().createElement("div");
-    note.className = "wb-corrected";
-    note.setAttribute("role", "status");
-    note.textContent = word("{typed} is not possible", { typed: typedText });
-    field.closest(".mantine-NumberInput-root").append(note);
-    setTimeout(() => note.remove(), CORRECTED_MS);
+    const text = word("{typed} is not possible", { typed: typedText });
+    noteBeside(field.closest(".mantine-NumberInput-root"), text, CORRECTED_MS);
   }, WAIT_MS);
+}
+
+function noteBeside(place, text, ms) {
+  every(".wb-corrected", place).forEach((earlier) => earlier.remove());
+  const note = here().createElement("div");
+  note.className = "wb-corrected";
+  note.setAttribute("role", "status");
+  note.textContent = text;
+  place.append(note);
+  // What stands at the right end of the controls has its room to the left.
+  const end = here().documentElement.clientWidth;
+  if (note.getBoundingClientRect().right > end) note.classList.add("wb-leftwards");
+  setTimeout(() => note.remove(), ms);
+}
+
+function bringRefusals() {
+  // A refusal is read where a person typed or pressed, not at the far end of the scene.
+  for (const toast of every(".mantine-Notification-root:not([data-brought])")) {
+    toast.dataset.brought = "";
+    const text = toast.querySelector(".mantine-Notification-description")?.textContent;
+    const isRefusal = toast.querySelector(".mantine-Notification-title")?.textContent === word("Refused");
+    if (!isRefusal || !text || !used?.isConnected || !used.getClientRects().length) continue;
+    used.classList.add("wb-refusing");
+    noteBeside(used, text, REFUSED_MS);
+    toast.hidden = true;
+  }
 }
 
 function keepStop(list, stop, item) {

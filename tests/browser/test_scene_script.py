@@ -22,6 +22,7 @@ SCENE = """
 <button onclick="hidden = true; other.hidden = false; said.textContent += 'Send '">Send</button>
 <button id="other" hidden onclick="said.textContent += 'Go on '">Go on</button>
 <p id="said"></p>
+<div id="toasts"></div>
 <div id="around"><button class="mantine-Button-root">Scan</button></div>
 <input class="mantine-Select-input" readonly value="left trays of the second shift"
   style="width: 60px">
@@ -170,3 +171,33 @@ def test_all_groups_of_the_grasps_are_reached_and_opened_by_keyboard(front, new_
     for name in ("Position [mm] y", "Angles [deg] yaw"):
         expect(window.scene.get_by_label(name, exact=True)).to_have_count(1)
     assert window.errors == []
+
+
+REFUSE = """
+toasts.insertAdjacentHTML("beforeend", `<div class="mantine-Notification-root">
+<div class="mantine-Notification-title">TITLE</div>
+<div class="mantine-Notification-description">TEXT</div></div>`)
+"""
+
+
+def refuse(scene, title, text):
+    """Has viser show a note as it does."""
+    scene.locator("#toasts").evaluate(REFUSE.replace("TITLE", title).replace("TEXT", text))
+
+
+def test_a_refusal_is_read_beside_the_field_that_was_typed_in_or_the_button_pressed(stub):
+    page, scene = stub
+    field, toasts = scene.locator(".mantine-NumberInput-root").first, scene.locator("#toasts")
+    refuse(scene, "Refused", "nobody has typed")
+    pause(page, 400)
+    expect(toasts.get_by_text("nobody has typed")).to_be_visible()
+    field.locator("input").press_sequentially("7")
+    refuse(scene, "Refused", "7 mm is too wide")
+    expect(field.locator(".wb-corrected")).to_have_text("7 mm is too wide")
+    expect(toasts.get_by_text("7 mm is too wide")).to_be_hidden()
+    scene.get_by_role("button", name="Scan").click()
+    refuse(scene, "Refused", "a scan is under way")
+    expect(scene.locator("#around .wb-corrected")).to_have_text("a scan is under way")
+    refuse(scene, "Ada asks for control", "Hand over or Keep, above.")
+    pause(page, 400)
+    expect(toasts.get_by_text("Hand over or Keep, above.")).to_be_visible()

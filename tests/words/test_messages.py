@@ -55,7 +55,7 @@ def test_a_message_is_rendered_whole_and_names_stay():
     german = words_of("de").render(BLOCKED)
     assert german == (
         "Mindestabstand verletzt: left palm und in collision, Abstand 1.2 mm "
-        "(nur für Arm left oder right)"
+        "(nur für Arm links oder rechts)"
     )
 
 

@@ -2,11 +2,14 @@
 
 import pytest
 
-from workbench.model.messages.cells import InventoryText
+from workbench.gui.texts.cycle import CyclePageText
+from workbench.gui.texts.labels import arm_label
+from workbench.model.messages.cells import CellText, InventoryText
 from workbench.model.messages.message import plain
+from workbench.model.messages.plans import StrategyText
 from workbench.model.messages.states import StateText
 from workbench.words.choosing import find_language, first_guess
-from workbench.words.words import Words, words_of
+from workbench.words.words import IN_ENGLISH, Words, words_of
 
 
 @pytest.fixture(scope="module")
@@ -127,3 +130,15 @@ def test_of_nothing_the_text_is_empty(words):
 )
 def test_thousands_have_no_comma_where_one_stands_before_decimals(language, said):
     assert said in words_of(language).render(StateText.SCANNED(points="280,689"))
+
+
+def test_left_and_right_arms_have_names_in_each_language_and_others_their_own():
+    german = words_of("de")
+    assert german.render(StrategyText.ONE_ARM(arm="right")) == "nur Arm rechts"
+    assert german.render(CyclePageText.PICKED(arm="Left")) == "Links entnommen"
+    assert german.render(StrategyText.ONE_ARM(arm="door")) == "nur Arm door"
+    assert german.render(arm_label("left")) == "Linker Arm"
+    assert german.render(arm_label("door")) == "Arm Door"
+    assert IN_ENGLISH.render(StrategyText.ONE_ARM(arm="right")) == "right arm only"
+    of_file = next(text for text in CellText if "{arm}" in text.template)
+    assert "left" in german.render(of_file(**dict.fromkeys(of_file.places, "left")))

@@ -33,12 +33,14 @@ class SimulatedScanner:
         self._cell = cell
 
     def scan(self, request: ScanRequest, report: Report, cancelled: Cancelled) -> Scan:
-        """A scan of a new pile."""
+        """A scan of a pile, or of what is left of it."""
         from workbench.perception.simulation.piles import pile_of
         from workbench.perception.simulation.synthesize import synthesize
+        from workbench.perception.simulation.unloading import left_of
 
         report(0.1, ProgressText.PARTS_FALL())
         truth = pile_of(self._cell, request.part, request.parts, seed=request.seed)
+        truth = left_of(self._cell, truth, request.lifted)
         if cancelled():
             raise JobCancelled(CancelText.SCAN())
         report(0.6, ProgressText.SCANNER_LOOKS())

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import pinocchio as pin
+
 from workbench.model.cell import Cell
 from workbench.model.scan import Scan
 from workbench.plugins.found import Group, load
@@ -17,12 +19,14 @@ ENTRY_POINTS: Group = "workbench.scanners"
 class ScanRequest:
     """What a simulated scanner shall see; a real one sees what lies there.
 
-    `parts` parts of the kind `part` (empty: for kits, or the first) dropped by `seed`.
+    `parts` parts of the kind `part` (empty: for kits, or the first) dropped by `seed`.  Those that
+    lay at the poses `lifted`, `T_world_part`, were taken out since, one after the other.
     """
 
     seed: int = 0
     parts: int = 0
     part: str = ""
+    lifted: tuple[pin.SE3, ...] = ()
 
 
 class Scanner(Protocol):

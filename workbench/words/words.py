@@ -6,7 +6,10 @@ from functools import cache
 from typing import Any, cast
 
 from workbench.model.messages.catalogue import TEXTS
+from workbench.model.messages.cells import CellText
+from workbench.model.messages.files import FileProblem, FileText
 from workbench.model.messages.message import Message, Others, Text, plain
+from workbench.model.messages.plans import ArmText
 from workbench.words.catalogs import CATALOGS, LANGUAGES, Catalog
 from workbench.words.markup import html_said, markdown_said
 
@@ -16,6 +19,15 @@ COMMAS = ("de", "it", "fr", "es")
 """Languages that group digits by a narrow blank."""
 
 NARROW_SPACE = "\u202f"
+
+ARM_TEXTS: Mapping[str, Text] = {text.template: text for text in ArmText}
+"""Names of arms that are put in another language, in lower case."""
+
+ARM_PLACES = ("arm", "arms", "carrier")
+"""Places of templates that names of arms stand in."""
+
+OF_FILES = (CellText, FileText, FileProblem)
+"""Texts about files, where an arm has the name that stands there."""
 
 _THOUSANDS = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
 
@@ -56,6 +68,14 @@ class Words:
         said = self._said_within(message).render(self._template)
         return _THOUSANDS.sub(NARROW_SPACE, said) if self._has_commas else said
 
+    def arm(self, name: str) -> str:
+        """The name of an arm: left and right in this language, others as the cell has them."""
+        known = ARM_TEXTS.get(name.lower())
+        said = None if known is None else self._by_id.get(known.id)
+        if said is None:
+            return name
+        return said[:1].upper() + said[1:] if name[:1].isupper() else said
+
     def _template(self, text: Text) -> str:
         return self._by_id.get(text.id, text.template)
 
@@ -64,7 +84,14 @@ class Words:
         if message.text is Others.PLAIN:
             return plain(self.say(str(message)))
         args = {name: self._translate_arg(arg) for name, arg in message.args.items()}
+        if type(message.text) not in OF_FILES:
+            args |= {name: self._arms(args[name]) for name in ARM_PLACES if name in args}
         return Message(message.text, args)
+
+    def _arms(self, arg: Any) -> Any:
+        if isinstance(arg, tuple):
+            return tuple(map(self._arms, cast(tuple[Any, ...], arg)))
+        return self.arm(arg) if isinstance(arg, str) else arg
 
     def _translate_arg(self, arg: Any) -> Any:
         if isinstance(arg, tuple):

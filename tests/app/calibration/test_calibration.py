@@ -108,6 +108,8 @@ def test_a_pose_is_scanned_recorded_and_computed_again(bench, poses, tmp_path):
     seen = JOBS["sight"](bench.cell, job.arguments, lambda done, note: None, lambda: False)
     state = bench.do(JobEnded(state.number, seen), WORKER)
     assert [one.name for one in state.observations] == ["pose 1"] and "pose 1" in str(state.message)
+    with pytest.raises(CommandRefused, match="stands as in pose 1, so another scan adds nothing"):
+        bench.do(SightPlate("right", poses[0], PLATE), "ada")
     left = replace(state.observations[0], is_used=False)
     state = bench.do(UseObservations((left,), "pose 1 is left out"), "ada")
     assert not state.observations[0].is_used
@@ -130,7 +132,10 @@ def test_poses_stay_when_the_cell_changes_and_a_calibration_is_undone(bench, obs
 
 
 def test_so_many_poses_are_taken_and_no_more(bench, poses, observations):
-    many = tuple(replace(observations[0], name=f"pose {k}") for k in range(MOST_OBSERVATIONS))
+    elsewhere = observations[0].q - 0.05
+    many = tuple(
+        replace(observations[0], name=f"pose {k}", q=elsewhere) for k in range(MOST_OBSERVATIONS)
+    )
     bench.do(UseObservations(many, "from elsewhere"), "ada")
     with pytest.raises(CommandRefused, match="remove one of them first"):
         bench.do(SightPlate("right", poses[0], PLATE), "ada")

@@ -30,7 +30,9 @@ def user(say, file, monkeypatch):
 @pytest.fixture
 def anna(user):
     said = user("add", "Anna", "--role", "operator", "--stdin")
-    assert (said.code, said.out) == (0, "Anna may log in as operator\n")
+    assert said.code == 0
+    assert said.out.endswith("Anna may log in as operator, by name and password\n")
+    return said
 
 
 @pytest.fixture
@@ -134,3 +136,10 @@ def test_a_front_that_cannot_be_is_told_before_anything_starts(say, words, probl
     said = say("serve", *words)
     assert said.code == 2
     assert problem in said.problem
+
+
+def test_only_the_first_user_is_warned_of_the_end_of_the_login_by_link(anna, user):
+    assert "Anna is the first user: the printed link logs nobody in any more" in anna.out
+    assert "log in by name and password" in anna.out
+    assert "No engineer can log in until one is added: Anna is operator." in anna.out
+    assert user("add", "Bert", "--role", "viewer", "--stdin").out.count("\n") == 1

@@ -34,3 +34,10 @@ def test_a_second_click_while_a_pose_is_looked_for_does_nothing(visitor, monkeyp
     first.join(PATIENCE)
     assert (panel._suggest.label, panel._suggest.disabled) == (SUGGEST, False)
     assert len(calls) == 1
+
+
+def test_nothing_is_shown_as_calibrated_before_there_is_a_calibration(visitor, states, view_of):
+    panel = CalibrationPanel(visitor)
+    view = view_of(states.idle)
+    panel.show(None, view)
+    assert view.own.is_calibrated and not panel._after.value and panel._after.disabled

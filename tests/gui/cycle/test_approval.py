@@ -1,11 +1,18 @@
 """The dialog in which a person approves, with a browser in which somebody types very early."""
 
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
+from workbench.app.core.state import EditedCell
 from workbench.gui.cycle.approval import ApprovalDialog
+from workbench.gui.cycle.approval_views import facts_html
+from workbench.gui.cycle.plan_views import left_message, plan_line, unsaved_message
+from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.model.messages.message import plain
+from workbench.model.messages.plans import PlanNote
 from workbench.words.words import IN_ENGLISH
 
 
@@ -35,6 +42,8 @@ class QuickHand:
 
     def type(self):
         """What viser does with a letter: the newest value is kept, who listens is told."""
+        if self.field is None:
+            return
         self.field.value = self.name
         if listens := getattr(self.field, "updated", None):
             with pytest.raises(StopIteration):
@@ -46,7 +55,8 @@ class QuickHand:
         return modal
 
     def add_html(self, html):
-        pass
+        self.html = [*getattr(self, "html", []), Widget(content=html)]
+        return self.html[-1]
 
     def add_text(self, label, value, hint=None):
         self.field = Widget(value=value)
@@ -78,3 +88,84 @@ def test_a_name_that_is_typed_at_once_is_on_the_button(states):
     word = hand.buttons["Type your name to approve"]
     assert word.label == "Approve as Anna"
     assert not word.disabled
+
+
+def test_full_speed_has_a_line_of_its_own_that_follows_the_choice(states):
+    hand = QuickHand("Anna")
+    bench = SimpleNamespace(state=states.planned, live=SimpleNamespace(joints={}))
+    links = {"unseen": lambda pressed: "id", "hide": lambda buttons: None}
+    visitor = SimpleNamespace(
+        bench=bench, gui=hand, client=hand, is_known=True, words=IN_ENGLISH, **links
+    )
+    visitor.person = SimpleNamespace(name="Anna")
+    dialog = ApprovalDialog(visitor)
+    dialog.open()
+    speed = dialog._speed_line
+    assert "Full speed" in speed.content and "wb-warn" in speed.content
+    field = dialog._fields[0]
+    field.value = "25%"
+    field.updated(None)
+    assert "Full speed" not in speed.content and "wb-warn" not in speed.content
+
+
+def deviations(state, joints):
+    html = facts_html(state, joints, 0.0)
+    return html[: html.index("wb-usual")]
+
+
+def test_what_deviates_from_a_plain_plan_stands_first(states):
+    state = replace(states.planned, saved=states.planned.cell.digest, watched=("Anna",))
+    first = deviations(
+        state, state.cell.joint_values({arm.name: arm.home for arm in state.cell.arms})
+    )
+    for name in ("Controller", "Linear motion"):
+        assert f"<th>{name}</th>" in first, "simulated, and a margin less than elsewhere"
+    for name in ("Not saved", "Warnings", "Robot", "Preview", "Kept clear of", "Proven"):
+        assert f"<th>{name}</th>" not in first
+    remark = PlanNote.GOES_UNSEEN()
+    plan = replace(state.plan, notes=(remark,))
+    worse = replace(state, plan=plan, watched=(), scan=None, saved="")
+    first = deviations(worse, {})
+    for name in ("Not saved", "Warnings", "Robot", "Preview", "Kept clear of"):
+        assert f"<th>{name}</th>" in first, name
+    assert str(remark) in first
+
+
+def test_what_is_not_saved_is_said_at_the_plan_and_names_the_last_change(states):
+    cell = states.planned.cell
+    saved = replace(states.planned, saved=cell.digest)
+    assert unsaved_message(saved) is None and "not saved" not in plan_line(saved)
+    older = EditedCell(cell, plain("grasp a moved"))
+    other = replace(cell, name="other")
+    edited = replace(saved, cell=other, before=(EditedCell(other, plain("b turned")), older))
+    said = str(unsaved_message(edited))
+    assert said == "2 changes of cell or grasps not saved, the last: b turned"
+    assert "Rests on what is not saved: 2 changes" in plan_line(edited)
+    unknown = replace(edited, saved="elsewhere")
+    assert str(unsaved_message(unknown)) == "cell or grasps differ from their files"
+
+
+def test_a_plan_says_why_most_of_the_other_parts_are_left(states, cell):
+    planned = states.planned
+    spare = planned.plan.detections[0]
+    plan = replace(planned.plan, detections=(*planned.plan.detections, spare, spare, spare))
+    assert left_message(planned) is None, "it takes both"
+
+    def candidate(part, reason, arm="left"):
+        some = planned.candidates[0]
+        verdict = Verdict(reason, Stage.GRASP)
+        return replace(some, detection=part, arm=arm, verdict=verdict)
+
+    refused = [candidate(part, Reason.OUT_OF_REACH) for part in (2, 3)]
+    last = candidate(4, Reason.TOOL_COLLISION)
+    state = replace(planned, plan=plan, candidates=(*refused, last))
+    assert str(left_message(state)) == (
+        "3 parts left; most frequent reason: unreachable (2, left and right arm)"
+    )
+    assert "3 parts left; most frequent reason" in plan_line(state)
+    # Of a plan by one arm it is about the other one.
+    right = next(pick for pick in plan.picks if pick.arm == "right")
+    alone = replace(state, plan=replace(plan, arms=(right,), detections=plan.detections))
+    assert str(left_message(alone)).endswith("left arm)")
+    able = replace(alone, candidates=tuple(candidate(k, Reason.OK) for k in range(5)))
+    assert str(left_message(able)) == "4 parts left for a later plan"

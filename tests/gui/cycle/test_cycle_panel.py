@@ -6,7 +6,7 @@ import pytest
 
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.people import ROBOT_LINK
-from workbench.app.core.picks import Outcome
+from workbench.app.core.picks import Outcome, SimulatedPile
 from workbench.app.core.state import Ahead, Phase
 from workbench.app.runtime.live import Live
 from workbench.gui.cycle.approval_views import approval_line
@@ -54,10 +54,34 @@ def test_going_on_stands_beside_the_scan_and_says_why_it_cannot_be_pressed(panel
     ):
         layout(panel, view_of(state))
         assert button.disabled != is_open, state.phase
+        is_moving = state.phase is Phase.SENDING
+        assert button.label == ("Prepare next cycle" if is_moving else "Next cycle")
         assert button.hint
     ahead = replace(states.sending, ahead=Ahead(GoOn()))
     layout(panel, view_of(ahead))
     assert button.disabled and panel._go_on._line.visible
+
+
+def test_the_page_says_which_simulated_parts_stay_and_drops_new_ones_by_a_button(
+    panel, states, view_of, monkeypatch
+):
+    button, stays, given = panel._go_on._new, panel._go_on._stays, []
+    monkeypatch.setattr(panel._visitor, "give", lambda command, name="": given.append(command))
+    layout(panel, view_of(states.done))
+    assert not button.visible, "nobody has let parts fall"
+    panel._parts.value, panel._seed.value = 6, 4
+    pile = SimulatedPile(4, 6, "keyed_cylinder", states.done.cell.bin.name)
+    layout(panel, view_of(replace(states.done, pile=pile)))
+    assert button.visible and "shows the 4 parts left in the bin" in stays.content
+    panel._go_on._on_pressed()
+    assert (panel._seed.value, given[-1].scan.seed, given[-1].scan.stays) == (4, 4, True)
+    panel._go_on._drop_new()
+    assert (panel._seed.value, given[-1].seed) == (5, 5)
+    panel._parts.value, panel._seed.value = 2, 4
+    layout(panel, view_of(replace(states.done, pile=replace(pile, parts=2))))
+    assert "no part is left" in stays.content
+    panel._go_on._on_pressed()
+    assert given[-1].scan.seed == 5
 
 
 def test_play_stands_before_the_approval_that_asks_for_it(panel, states, view_of):

@@ -9,7 +9,7 @@ from workbench.app.core.cycle.outcomes import ReportPick
 from workbench.app.core.picks import Outcome, SentFor
 from workbench.app.core.state import Phase, State
 from workbench.gui.cycle.outcomes import OutcomeInputs
-from workbench.model.release import PickResult
+from workbench.model.release import PickResult, Receipt
 
 PICKED, FAILED = PickResult.PICKED, PickResult.FAILED
 
@@ -154,3 +154,34 @@ def test_a_dropped_part_and_two_in_the_hand_have_a_button_each(inputs, states, v
     inputs.show(view_of(states.done), view_of(replace(states.done, outcomes=(said,))))
     assert "double" in first._text.content and "wb-bad" in first._text.content
     assert [result for result, one in first._buttons.items() if one.disabled] == ["double"]
+
+
+def test_while_the_robot_moves_only_results_that_can_be_seen_are_offered(inputs, states, view_of):
+    plan = states.sending.plan
+    first = plan.picks[0]
+    numbers = [
+        number
+        for number, step in enumerate(plan.sequence, 1)
+        if any(arm == first.arm and first.leg(leg).holding for arm, leg in step.runs)
+    ]
+
+    def offered(state):
+        inputs.show(None, view_of(state))
+        buttons = inputs._rows[0]._buttons
+        assert all(button.hint for button in buttons.values())
+        return {result for result, button in buttons.items() if not button.disabled}
+
+    def at_step(number):
+        told = Receipt(0.0, "", "heard", "", 4, 4, step=number)
+        return replace(states.sending, receipts=(told,))
+
+    assert offered(states.sending) == set()
+    assert offered(at_step(numbers[0] - 1)) == set()
+    assert offered(at_step(numbers[0])) == {FAILED, PickResult.DROPPED}
+    assert offered(states.done) == set(PickResult)
+
+
+def test_the_parts_of_a_plan_before_in_the_row_have_all_results(inputs, broken_off, view_of):
+    inputs.show(None, view_of(replace(broken_off, phase=Phase.SENDING)))
+    open_ = [not row._buttons[PICKED].disabled for row in inputs._rows]
+    assert open_ == [True, True, False, False]

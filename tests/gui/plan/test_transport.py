@@ -93,3 +93,12 @@ def test_a_speed_is_for_everybody_and_one_that_is_not_offered_is_the_real_one(
     for called in bar._speed._impl.update_cb:
         asyncio.run(called(SimpleNamespace(client=object(), target=target)))
     assert visitor.look.now.speed == speed
+
+
+def test_while_a_plan_is_sent_the_mark_is_said_to_follow_the_robot(bar, states, view_of):
+    bar.show(None, view_of(states.planned))
+    before = bar._clock.content
+    bar.show(view_of(states.planned), view_of(states.sending))
+    assert "follows the robot" in bar._clock.content and "follows" not in before
+    bar.show(view_of(states.sending), view_of(states.done))
+    assert bar._clock.content == before

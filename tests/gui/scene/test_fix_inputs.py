@@ -9,7 +9,7 @@ from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import UseScan
-from workbench.app.picking.fixing import make_fix_command
+from workbench.app.picking.fixing import explain_fix, make_fix_command
 from workbench.app.picking.judging import judge
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.look import NO_HELP, Help
@@ -79,6 +79,8 @@ def test_one_press_applies_what_was_tried_and_one_takes_it_back(stuck, visitor, 
     help_ = Help(fix_words(fix), fix)
     controls.show(None, view_of(stuck.state), help_)
     assert controls._apply.visible and not controls._undo.visible
+    assert fix.candidate.grasp.name.split("-")[0] in controls._scope.content
+    assert controls._scope.visible and "for every part of this kind" in controls._scope.content
     controls._press()
     state = stuck.state
     assert visitor.client.told == []
@@ -91,6 +93,7 @@ def test_one_press_applies_what_was_tried_and_one_takes_it_back(stuck, visitor, 
     assert judged[wanted].is_ok, judged[wanted]
     controls.show(None, view_of(state, visitor.look.now), NO_HELP)
     assert not controls._apply.visible and controls._undo.visible
+    assert not controls._scope.visible and "Nearest fix applied to" in controls._applied.content
     press(controls._undo)
     assert stuck.state.cell.digest == before.digest
     controls.show(None, view_of(stuck.state, visitor.look.now), NO_HELP)
@@ -111,3 +114,23 @@ def test_a_fix_of_the_policy_changes_that_alone(stuck, change):
     )
     assert isinstance(command, ChangeCell)
     assert command.cell.digest == replace(cell, policy=policy).digest
+
+
+def test_before_the_press_a_fix_says_from_what_to_what_and_for_what(stuck, fix):
+    state = stuck.state
+    said = str(explain_fix(state, fix))
+    edit = make_fix_command(state, fix)
+    before, after = grasp_of(edit.was[0]), grasp_of(edit.now[0])
+    moved = abs(after.T_part_tcp.translation - before.T_part_tcp.translation)
+    assert edit.was[0].name in said and edit.part in said
+    for name, old, new, step in zip(
+        "xyz", before.T_part_tcp.translation, after.T_part_tcp.translation, moved, strict=True
+    ):
+        is_said = f"{name} from {old * 1000:.1f} mm to {new * 1000:.1f} mm" in said
+        assert is_said == (step > 5e-5), said
+    policy = replace(state.cell.policy, near_margin=0.0)
+    of_cell = str(explain_fix(state, Fix(state.candidates[0], "another policy", policy=policy)))
+    assert of_cell == (
+        "Changes the whole cell, for all parts and arms: near_margin from 1.0 mm to 0.0 mm"
+    )
+    assert explain_fix(state, Fix(state.candidates[0], "by hand")) is None

@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -38,7 +39,8 @@ def test_between_two_cycles_there_is_no_mark():
     curve = Curve("send", "#000", np.array([1.0, 2.0]))
     html = plot_html(Plot("t", "s", np.array([1.0, 2.0]), (curve,), along="cycle"), 2.0)
     marks = html[html.index('class="wb-times"') :]
-    assert re.findall(r">([\d.]+)</b>", marks) == ["1", "2"]
+    assert re.findall(r">([\d.]+)<", marks) == ["1", "2"]
+    assert "2<span> cycle</span></b>" in marks and "right:0" in marks, "no number under the unit"
 
 
 def test_every_plot_of_a_plan_has_a_cursor_and_goes_to_the_slider(cell, result):
@@ -73,3 +75,16 @@ def test_what_is_written_in_a_plot_is_text():
     plot = Plot("<i>", "<u>", np.zeros(2), (Curve("<b>x", "#000", np.zeros(2)),))
     assert "<i>" not in plot_html(plot, 1.0, "s")
     assert "<b>x" not in legend_html(plot, 0.0)
+
+
+def test_the_required_margins_are_lines_within_the_plot_of_clearances(cell, result):
+    clear, *others = plots_of(
+        cell, timeline(result.plan), result.plan.cycle_seconds, [result.proof]
+    )
+    policy = cell.policy
+    assert [value for value, _ in clear.limits] == [policy.margin * 1000, policy.near_margin * 1000]
+    assert not any(plot.limits for plot in others)
+    assert plot_html(clear, 5.0).count('class="wb-limit"') == 2
+    assert "required (5.0 mm free, 1.0 mm linear)" in clear.title
+    far = replace(clear, limits=((500.0, "#000"),))
+    assert far.bounds[1] == 500.0, "a margin is shown where no curve comes near it"

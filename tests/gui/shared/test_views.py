@@ -366,12 +366,12 @@ def test_the_link_tells_protocol_state_acknowledgement_and_stop(states, view_of)
         "abb-socket/2", "running", 3, 12, "0007 ok 0005 ABCD", NOW, NOW - 1.5, 0.25, "after 0.25 s"
     )
     parts = (PartReport("right", 0, True), PartReport("left", 1, False, "closed to 0.0 mm"))
-    state = replace(states.sending, part_reports=parts)
-    view = replace(view_of(state, live=Live(link=link)), at=NOW)
-    text = Reader(link_views.link_html(view)).text
+    heard = replace(states.sending.receipts[-1], step=2)
+    state = replace(states.sending, part_reports=parts, receipts=(heard,))
+    text = Reader(link_views.link_html(view_of(state, live=Live(link=link)))).text
     for expected in (
         "abb-socket/2 (protocol abb-socket/2)",
-        "running, step 3 of 12",
+        f"running, step 2 of {len(state.plan.sequence)}",
         "0007 ok 0005 ABCD",
         "1.5 s ago",
         "after 0.25 s",

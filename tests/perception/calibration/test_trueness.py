@@ -1,5 +1,7 @@
 """Balls at known distances: found, measured, and compared with what is stated."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -32,6 +34,11 @@ def measured(artefact, **how) -> BallScan:
     return sight_balls(cloud(artefact, **how), artefact, "scan 1", NONE, 0)
 
 
+def placed(scan, place) -> BallScan:
+    """The same balls, laid elsewhere."""
+    return replace(scan, name=f"scan {place + 1}", balls=scan.balls + (0.05 * place, 0, 0))
+
+
 @pytest.mark.parametrize("artefact", [PLATE, BAR], ids=["plate", "bar"])
 def test_true_lengths_are_measured_within_hundredths_of_a_millimetre(artefact):
     seen = measured(artefact)
@@ -43,7 +50,7 @@ def test_true_lengths_are_measured_within_hundredths_of_a_millimetre(artefact):
 
 def test_a_wrong_scale_shows_below_the_limit_and_is_named_above_it():
     true, small, large = (
-        assess_trueness([measured(PLATE, scale=s, seed=k) for k in range(3)], 3e-4)
+        assess_trueness([placed(measured(PLATE, scale=s, seed=k), k) for k in range(3)], 3e-4)
         for s in (1.0, 1.001, 1.005)
     )
     assert (true.light, small.light, large.light) == ("good", "warning", "bad")
@@ -87,3 +94,16 @@ def test_nothing_to_compare_or_no_limit_is_refused():
     for limit in (0.0, -1.0, np.nan):
         with pytest.raises(InputError, match="a limit is a length"):
             assess_trueness([measured(BAR)], limit)
+
+
+@pytest.mark.parametrize("artefact", [PLATE, BAR], ids=["plate", "bar"])
+def test_scans_of_balls_that_nobody_has_moved_are_no_further_places(artefact):
+    scans = [measured(artefact, seed=k) for k in range(3)]
+    first, second = (replace(scans[k], name=f"scan {k + 1}") for k in range(2))
+    turned = replace(scans[2], name="scan 3", balls=scans[2].balls[::-1])
+    third = turned if artefact is BAR else replace(scans[2], name="scan 3")
+    found = assess_trueness([first, second, third], 3e-4)
+    assert found.light == "warning"
+    assert "scan 2 does not count: its balls lie where those of scan 1 do" in str(found.says)
+    moved = assess_trueness([first, placed(second, 1), placed(scans[2], 2)], 3e-4)
+    assert "does not count" not in str(moved.says) and "3 places" not in str(moved.says)

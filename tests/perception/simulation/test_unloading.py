@@ -15,7 +15,7 @@ from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry
 from workbench.perception.simulation.physics import model_of
 from workbench.perception.simulation.piles import drop_parts
-from workbench.perception.simulation.unloading import is_in_bin, unloaded
+from workbench.perception.simulation.unloading import is_in_bin, left_of, unloaded
 
 
 def up(T: pin.SE3, far: float = 0.15) -> list[pin.SE3]:
@@ -88,3 +88,16 @@ def test_flat_parts_of_many_pieces_keep_all_their_contacts_with_the_floor(cell, 
     mujoco.mj_fwdPosition(model, data)
     assert data.ncon >= 12 * len(pieces)
     assert data.warning[mujoco.mjtWarning.mjWARN_CNSTRFULL].number == 0
+
+
+def test_what_was_taken_is_gone_and_the_rest_lies_where_it_did(cell, heap):
+    seen = [
+        pin.SE3(heap[k].T_world_part.rotation, heap[k].T_world_part.translation + 1e-3)
+        for k in (11, 4)
+    ]
+    rest = left_of(cell, heap, seen)
+    assert len(rest) == 10
+    kept = [one for k, one in enumerate(heap) if k not in (4, 11)]
+    assert sum(moved(a, b) < 0.01 for a, b in zip(kept, rest, strict=True)) >= 5
+    elsewhere = pin.SE3(np.eye(3), np.array([9.0, 0.0, 0.0]))
+    assert left_of(cell, heap, (elsewhere,)) == heap and left_of(cell, heap, ()) == heap

@@ -13,7 +13,8 @@ from workbench.model.geometry import spread_directions
 from workbench.model.part import GraspLibrary, Part
 from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
-from workbench.planning.grasps.coverage import Coverage, coverage
+from workbench.planning.grasps.coverage import Coverage, coverage, rank_for_bin
+from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.picking.propose import propose
 
@@ -122,3 +123,16 @@ def test_directions_are_spread_evenly():
 def test_a_pose_is_a_pose(yumi, part):
     T = Trial(yumi, part).poses(np.array([0.0, 0.0, -1.0]), 0, 1, ((0.0, 0.0),))[0]
     assert isinstance(T, pin.SE3) and np.linalg.det(T.rotation) == pytest.approx(1.0)
+
+
+def test_suggestions_are_ranked_by_the_ways_to_lie_that_the_bin_admits():
+    cell = read_cell("yumi")
+    part, tool = cell.parts[0], cell.arms[0].tool
+    found = suggest(part, tool, most=12, seed=0)
+    ranked = rank_for_bin(cell, part, tool, found)
+    shares = [share for _, share in ranked]
+    assert shares == sorted(shares, reverse=True) and 0 <= shares[-1] < shares[0] <= 1
+    assert sorted(one.grasp.name for one, _ in ranked) == sorted(one.grasp.name for one in found)
+    far = replace(cell.bin, T_world_bin=pin.SE3(np.eye(3), np.array([9.0, 0.0, 0.0])))
+    assert all(share == 0 for _, share in rank_for_bin(replace(cell, bin=far), part, tool, found))
+    assert rank_for_bin(cell, part, tool, ()) == ()

@@ -1,6 +1,7 @@
 """What the bar above the scene says, and that it says it to whoever is logged in."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -9,7 +10,7 @@ from workbench.app.core.state import Phase, State
 from workbench.app.runtime.live import Live
 from workbench.formats.cells.reading import read_cell
 from workbench.model.messages.work import LinkText, StopText
-from workbench.model.release import LinkStatus
+from workbench.model.release import LinkStatus, Receipt
 from workbench.web.page.bar import bar_words, without_robot
 
 OTTO, VERA = Person("Otto", Role.OPERATOR), Person("Vera", Role.VIEWER)
@@ -34,10 +35,7 @@ def test_the_robot_and_the_fault_are_said_in_words_and_with_a_kind(idle):
     live = Live(robot=LinkText.STANDS(), link=LinkStatus(phase="running", step=3, steps=12))
     assert bar_words(idle, live, OTTO)["kind"] == "good"
     sending = bar_words(replace(idle, phase=Phase.SENDING), live, OTTO)
-    assert (str(sending["robot"]), sending["kind"]) == (
-        "Sending: robot stands, step 3 of 12",
-        "busy",
-    )
+    assert (str(sending["robot"]), sending["kind"]) == ("Sending: robot stands", "busy")
     assert (
         bar_words(idle, Live(robot=LinkText.FAULT(fault="emergency stop")), OTTO)["kind"] == "bad"
     )
@@ -57,3 +55,11 @@ def test_a_page_without_a_robot_has_no_bar():
     said = without_robot(OTTO)
     assert said.keys() == bar_words(State(read_cell("yumi")), Live(), OTTO).keys()
     assert not said["has_robot"] and not said["can_stop"]
+
+
+def test_the_bar_names_the_step_that_the_journal_has():
+    heard = Receipt(0.0, "", "heard", "", 4, 4, "state", step=2)
+    live = Live(robot=LinkText.STANDS(), link=LinkStatus(phase="running", step=3, steps=12))
+    plan = SimpleNamespace(sequence=(None,) * 12)
+    state = replace(State(read_cell("yumi"), phase=Phase.SENDING), plan=plan, receipts=(heard,))
+    assert str(bar_words(state, live, OTTO)["robot"]) == "Sending: robot stands, step 2 of 12"

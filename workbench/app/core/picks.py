@@ -2,11 +2,38 @@
 
 from dataclasses import dataclass, field
 
+import pinocchio as pin
+
 from workbench.model.digest import LATER
 from workbench.model.messages.message import Message
 from workbench.model.plan import Plan
 from workbench.model.release import PartReport, PickResult, result_of
 from workbench.model.scan import Detection
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SimulatedPile:
+    """The pile that a simulated scan shows: what fell into a bin, and what was taken since.
+
+    `seed`, `parts` and `part` are those of the scan, `lifted` the poses `T_world_part` of the parts
+    that were taken out, in order.
+    """
+
+    seed: int
+    parts: int
+    part: str
+    bin: str
+    lifted: tuple[pin.SE3, ...] = ()
+
+    @property
+    def name(self) -> tuple[int, int, str, str]:
+        """What distinguishes it from other piles."""
+        return self.seed, self.parts, self.part, self.bin
+
+    @property
+    def left(self) -> int:
+        """How many parts are left in the bin."""
+        return self.parts - len(self.lifted)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

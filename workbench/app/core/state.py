@@ -5,7 +5,7 @@ import enum
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
-from workbench.app.core.picks import Avoided, Outcome, SentFor
+from workbench.app.core.picks import Avoided, Outcome, SentFor, SimulatedPile
 from workbench.app.provenance.inventory import Inventory
 from workbench.model.calibration import SPACING_LIMIT, BallScan, PlateObservation, Touch
 from workbench.model.candidate import Candidate, Verdict
@@ -45,7 +45,7 @@ class Job:
     `strategy`, `threshold` [m], `seed`, and as `planning` what it wants otherwise than the cell; a
     search its `seed` and `overrides`, and `is_compared`: what it finds is not taken at once.
     `then`: what it brings is gone on with, as is wanted there; None where a person decides.
-    `arm` is for which a tool is made, `by` who has a part corrected.
+    `arm` is for which a tool is made, `by` who has a part corrected, `pile` what a scan shows.
     """
 
     number: int
@@ -60,6 +60,7 @@ class Job:
     then: "GoOn | None" = field(default_factory=lambda: None, metadata=LATER)
     arm: str = field(default_factory=str, metadata=LATER)
     by: str = field(default_factory=str, metadata=LATER)
+    pile: SimulatedPile | None = field(default_factory=lambda: None, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,6 +139,7 @@ class SessionState:
     `stirs` counts how often the parts in the bin were stirred since a plan could take some.
     `tools_unknown`: arms whose change of tool has ended with a fault, until a person has stated
     what they carry.
+    `pile` is what the last simulated scan has shown of parts that stay where they are.
     `ball_scans` and `touches` check the calibrated scanner, up to `check_limits` [m] of spacings
     and touches; 0: as the calibration predicts.
     """
@@ -166,6 +168,7 @@ class SessionState:
     views_without: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     earlier: Scan | None = field(default_factory=lambda: None, metadata=LATER)
     stirs: int = field(default_factory=int, metadata=LATER)
+    pile: SimulatedPile | None = field(default_factory=lambda: None, metadata=LATER)
     tools_unknown: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     ball_scans: tuple[BallScan, ...] = field(default_factory=tuple, metadata=LATER)
     touches: tuple[Touch, ...] = field(default_factory=tuple, metadata=LATER)

@@ -53,7 +53,12 @@ def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Ca
 
     Where views are merged it is one with `earlier`, from other views.
     """
-    request = ScanRequest(arguments["seed"], arguments["parts"], arguments.get("part", ""))
+    request = ScanRequest(
+        arguments["seed"],
+        arguments["parts"],
+        arguments.get("part", ""),
+        arguments.get("lifted", ()),
+    )
     found = scanner_of(cell).scan(request, report, cancelled)
     carrier = cell.scanner.on_arm
     if carrier is None:

@@ -35,8 +35,10 @@ def user(typed: UserCommands) -> int:
         match what:
             case UserAdd():
                 key_of(what.name)
+                if not users.are_there():
+                    print(_first_user_warning(what.name, Role(what.role)))
                 users.add(what.name, Role(what.role), _password(is_piped=what.stdin))
-                print(f"{what.name} may log in as {what.role}")
+                print(f"{what.name} may log in as {what.role}, by name and password")
             case UserList():
                 _list(what, users.all())
             case UserDisable():
@@ -65,6 +67,17 @@ def user(typed: UserCommands) -> int:
             case _:
                 assert_never(what)
     return SUCCESS
+
+
+def _first_user_warning(name: str, role: Role) -> str:
+    """What changes for everybody with the first user, before the password is asked for."""
+    warning = (
+        f"{name} is the first user: the printed link logs nobody in any more, and who came by it "
+        "is logged out. Open the page's address, and log in by name and password."
+    )
+    if role is not Role.ENGINEER:
+        warning += f"\nNo engineer can log in until one is added: {name} is {role}."
+    return warning
 
 
 def _list(typed: UserList, users: tuple[User, ...]) -> None:

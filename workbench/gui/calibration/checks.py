@@ -11,6 +11,7 @@ from workbench.app.core.verifying import LimitChecks, RecordTouch, RemoveCheck, 
 from workbench.gui.calibration.check_views import touches_html, trueness_html
 from workbench.gui.help.groups import group
 from workbench.gui.shared.look import View
+from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.calibration import BallArtefact, BallScan, Touch
 from workbench.model.cell import Arm
@@ -20,6 +21,8 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 
 PLATE, BAR = "Plate", "Ball bar"
+
+LAID_ANEW = "In simulation each scan finds the balls in another place of the bin."
 
 SCAN_FIRST = "scan the balls first"
 
@@ -59,13 +62,13 @@ class ChecksGroups:
                 hint="Balls at known distances that lie in the bin: the plate above, or two balls.",
             )
             self._ball = gui.add_number(
-                "Bar's balls [mm]",
+                "Bar's ball diameter [mm]",
                 30.0,
                 min=4,
                 max=400,
                 step=0.001,
                 visible=False,
-                hint="Diameter, as certified.",
+                hint="Of both balls, as certified.",
             )
             self._bar = gui.add_number(
                 "Bar's length [mm]",
@@ -87,6 +90,8 @@ class ChecksGroups:
             gui.add_html('<div class="wb-buttons wb-two"></div>')
             self._scan = gui.add_button("Scan the balls", icon=viser.Icon.SCAN)
             self._drop_scan = gui.add_button("Remove last scan", color="gray")
+            simulated = visitor.cell.scanner.source == "simulated"
+            gui.add_html(line(LAID_ANEW, kind="hint") if simulated else "")
             self._trueness = gui.add_html("")
         with group(gui, "6 · Touch test", expand_by_default=False):
             self._arm = gui.add_dropdown(

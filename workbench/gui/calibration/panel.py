@@ -57,12 +57,12 @@ class CalibrationPanel:
         self._record = gui.add_html("")
         with group(gui, "1 · Plate", expand_by_default=False):
             self._ball = gui.add_number(
-                "Ball [mm]",
+                "Ball diameter [mm]",
                 plate.radius * 2000,
                 min=4,
                 max=400,
                 step=0.01,
-                hint="Diameter of the three balls.",
+                hint="Of each of the three balls, as certified.",
             )
             self._sides = gui.add_vector3(
                 "Distances [mm]",
@@ -93,7 +93,7 @@ class CalibrationPanel:
             self._remove = gui.add_button("Remove", icon=viser.Icon.TRASH, color="red")
         with group(gui, "3 · Review and apply"):
             self._after = gui.add_checkbox(
-                "As calibrated", True, hint="Off: where the cell has the scanner now."
+                "As calibrated", False, hint="Off: where the cell has the scanner now."
             )
             self._overlay = gui.add_html("")
             self._answer = gui.add_html("")
@@ -119,8 +119,10 @@ class CalibrationPanel:
         self._checks.show(new)
         carrier = state.cell.scanner.on_arm
         self._where.content = self._says_where(new)
-        if self._after.value != new.own.is_calibrated:
-            self._after.value = new.own.is_calibrated
+        # Nothing is shown as calibrated before there is a calibration.
+        is_after = new.own.is_calibrated and isinstance(new.calibration, Calibration)
+        if self._after.value != is_after:
+            self._after.value = is_after
         is_same = (
             old is not None
             and old.state is state

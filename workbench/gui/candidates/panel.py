@@ -58,6 +58,9 @@ class CandidatesPanel:
         gui = visitor.gui
         self._by_part = gui.add_html("")
         self._funnel = gui.add_html("")
+        # Above the table, which is longer than the page.
+        self._fix_line = gui.add_html("", visible=False)
+        self._fix = FixInputs(visitor)
         self._words = gui.add_text(
             "Filter",
             "",
@@ -75,14 +78,12 @@ class CandidatesPanel:
             hint="Through the poses of the chosen candidate; the elbow turns, the tool stays.",
         )
         self._pose_line = gui.add_html("")
-        self._fix_line = gui.add_html("", visible=False)
         self._sure_line = gui.add_html("", visible=False)
         gui.add_html('<div class="wb-buttons wb-three"></div>')
         self._foot = gui.add_html("")
         self._back = gui.add_button("Previous", color="gray")
         self._forth = gui.add_button("Next", color="gray")
         self._clear = gui.add_button("Hide in scene", icon=viser.Icon.EYE_OFF, color="gray")
-        self._fix = FixInputs(visitor)
         self._filters = {
             kind: visitor.unseen(partial(self._filter, kind)) for kind in (None, *VERDICT_KINDS)
         }

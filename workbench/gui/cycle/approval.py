@@ -13,6 +13,7 @@ from workbench.app.core.state import State
 from workbench.gui.cycle.approval_views import facts_html
 from workbench.gui.drawing.nearest import PlanLinks
 from workbench.gui.shared.look import View
+from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.approval import ApprovalText
 from workbench.model.release import AS_PLANNED, Manner, manner_words
@@ -43,6 +44,7 @@ class ApprovalDialog:
         self._close: Callable[[], None] | None = None
         self._named: tuple[str, tuple[str, ...]] = ("", ())
         self._chosen: Callable[[], Manner] = lambda: AS_PLANNED
+        self._speed_line: viser.GuiHtmlHandle | None = None
         self._fields: tuple[viser.GuiDropdownHandle[str] | viser.GuiCheckboxHandle, ...] = ()
 
     def open(self) -> None:
@@ -83,6 +85,7 @@ class ApprovalDialog:
             disabled=len(shares) == 1,
             hint="Of what was planned; the way stays the same.",
         )
+        line_of_speed = gui.add_html(_speed_html(state, manner[0], self._visitor.words))
         steps = gui.add_checkbox(
             "Step by step",
             manner[1],
@@ -90,7 +93,7 @@ class ApprovalDialog:
             hint="The robot waits before each step until somebody lets that one run.",
         )
         by_words = {f"{share * 100:g}%": share for share in shares}
-        self._fields = (speed, steps)
+        self._fields, self._speed_line = (speed, steps), line_of_speed
         # Whatever else a browser sends is refused by the rules.
         self._chosen = lambda: (by_words.get(speed.value, math.nan), bool(steps.value))
         return manner
@@ -114,7 +117,10 @@ class ApprovalDialog:
         back.on_click(lambda _: self.close())
 
         def said(_: Any) -> None:
-            confirm.label = _label_of(shown[0], self._chosen(), visitor.words)
+            manner = self._chosen()
+            confirm.label = _label_of(shown[0], manner, visitor.words)
+            if self._speed_line is not None:
+                self._speed_line.content = _speed_html(state, manner[0], visitor.words)
 
         for field in self._fields:
             field.on_update(said)
@@ -169,3 +175,13 @@ def _label_of(name: str, manner: Manner, words: Words) -> str:
     if how is None:
         return words.render(ApprovalText.AS(person=name))
     return words.render(ApprovalText.AS_MANNER(person=name, manner=how))
+
+
+def _speed_html(state: State, share: float, words: Words) -> str:
+    """How fast the robot moves by a share of the planned speed; full speed stands out."""
+    if not math.isfinite(share):
+        return ""
+    is_full = share >= 1.0
+    text = ApprovalText.FULL_SPEED if is_full else ApprovalText.SLOWER
+    said = words.render(text(share=share * state.cell.policy.speed))
+    return line(said, kind="warn" if is_full else "result")

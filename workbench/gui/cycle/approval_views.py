@@ -5,15 +5,21 @@ from collections.abc import Mapping, Sequence
 from workbench.app.core.cycle.approval import standing_votes
 from workbench.app.core.cycle.standing import moved_away
 from workbench.app.core.state import Phase, State
+from workbench.gui.cycle.plan_views import unsaved_message
 from workbench.gui.drawing.nearest import certificates_of, free_message, straight_lines
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.gui.texts.approval import ApprovalText
-from workbench.gui.texts.labels import LabelText
+from workbench.gui.texts.labels import LabelText, arm_label
 from workbench.model.candidate import label_grasp
 from workbench.model.cell import Cell
 from workbench.model.derived.row_parts import parts_taken, renumber
 from workbench.model.messages.message import FoundPart, Message, Others, all_of
-from workbench.model.messages.plans import cycle_words, guarantee_message, strategy_message
+from workbench.model.messages.plans import (
+    PlanNote,
+    cycle_words,
+    guarantee_message,
+    strategy_message,
+)
 from workbench.model.motion import MotionModel
 from workbench.model.plan import Guarantee, Plan
 from workbench.model.release import manner_words
@@ -77,6 +83,14 @@ TOGETHER = {
 }
 """What was proven of two arms, by the guarantee of a plan."""
 
+WARNINGS = (
+    PlanNote.GOES_UNSEEN,
+    PlanNote.MATES_SELDOM,
+    PlanNote.QUICKER_REFUSED,
+    PlanNote.FOUND_GRIP,
+)
+"""Remarks of the planner that a person has to weigh."""
+
 Fact = tuple[Message | str, Message | str | None]
 """Name and value of a line."""
 
@@ -90,7 +104,8 @@ def facts_html(
 ) -> str:
     """What a person approves: values that the server holds, nothing typed in a browser.
 
-    It scrolls where a window is too low for it; the vote stands below it, in view.
+    What deviates from a plain plan on a plain cell stands first, and stronger.  It scrolls where a
+    window is too low for it; the vote stands below it, in view.
 
     Args:
         state: with the plan that would be sent, or the row that begins with it.
@@ -99,62 +114,107 @@ def facts_html(
         made: HTML instead of values, by the names of lines (`PlanLinks.made`).
         words: of who reads it.
     """
+    deviations, usual = _facts(state, joints, at)
+    named = [
+        [(words.render(name), words.render(fact)) for name, fact in facts]
+        for facts in (deviations, usual)
+    ]
+    name, certificates = certificates_of(state)
+    named[1].append((name, ", ".join(map(words.render, certificates))))
+    title = state.whole_row[0].plan.digest
+    tables = "".join(
+        f'<div class="{kind}">{table_html(rows, title=title, made=made)}</div>'
+        for kind, rows in zip(("wb-deviates", "wb-usual"), named, strict=True)
+        if rows
+    )
+    return f'<div class="wb-read" tabindex="0">{tables}</div>'
+
+
+def _facts(state: State, joints: Mapping[str, float], at: float) -> tuple[list[Fact], list[Fact]]:
+    """What a person has to weigh before approving, and what is as it usually is."""
     cell, row = state.cell, state.whole_row
     plan, policy = row[0].plan, cell.policy
-    cycle = cycle_words(plan.cycle_seconds, state.bound)
-    if len(row) > 1:
-        seconds = sum(proven_plan.plan.cycle_seconds for proven_plan in row)
-        cycle = ApprovalText.ALL_SECONDS(cycle=seconds)
     host, port = cell.controller.host, cell.controller.port
     moves = ApprovalText.SIMULATED if cell.controller.is_simulated else ApprovalText.REAL
-    facts: list[Fact] = [
-        ("Controller", moves(address=LabelText.ADDRESS(host=host, port=port))),
-        *(_plans(state) if len(row) > 1 else _plan(cell, plan)),
-        ("Free motion", free_message(state)),
-        *straight_lines(state),
-        ("Proven", _proven(state)),
-        ("Kept clear of", _clear_of(state, plan)),
-        ("Motion", ApprovalText.SPEED(cycle=cycle, share=policy.speed)),
-        ("Robot", _robot(cell, plan, joints)),
-        ("Preview", _preview(state)),
-        ("Valid for", ApprovalText.VALID(time=policy.approval_minutes * 60.0)),
+    deviations: list[Fact] = [
+        ("Controller", moves(address=LabelText.ADDRESS(host=host, port=port)))
     ]
+    usual: list[Fact] = _plans(state) if len(row) > 1 else _plan(cell, plan)
+
+    def add(name: Message | str, fact: Message | str | None, *, is_usual: bool) -> None:
+        (usual if is_usual else deviations).append((name, fact))
+
+    if (unsaved := unsaved_message(state)) is not None:
+        add("Not saved", unsaved, is_usual=False)
+    if warnings := _warnings(state):
+        add("Warnings", all_of(warnings), is_usual=False)
+    add("Free motion", free_message(state), is_usual=True)
+    for fact in straight_lines(state):
+        add(*fact, is_usual=policy.near_margin >= policy.margin)
+    add("Proven", _proven(state), is_usual=True)
+    is_seen = state.scan is not None and all(obstacle.part for obstacle in plan.obstacles)
+    add("Kept clear of", _clear_of(state, plan), is_usual=is_seen and bool(plan.picks))
+    add("Motion", ApprovalText.SPEED(cycle=_cycle(state), share=policy.speed), is_usual=True)
+    robot = _robot(cell, plan, joints)
+    add("Robot", robot, is_usual=robot.text is ApprovalText.STANDS_AT_START)
+    preview = _preview(state)
+    add("Preview", preview, is_usual=preview.text is ApprovalText.PLAYED)
+    add("Valid for", ApprovalText.VALID(time=policy.approval_minutes * 60.0), is_usual=True)
     if cell.approvers > 1:
         people = [vote.actor for vote in standing_votes(state, at)] or ApprovalText.NOBODY()
-        facts.append(("People", ApprovalText.PEOPLE(count=cell.approvers, people=people)))
+        add("People", ApprovalText.PEOPLE(count=cell.approvers, people=people), is_usual=True)
     if len(row) == 1:
-        facts.append(("Plan", LabelText.NAME(name=short(plan.digest))))
-    rows = [(words.render(name), words.render(fact)) for name, fact in facts]
-    name, certificates = certificates_of(state)
-    rows.append((name, ", ".join(map(words.render, certificates))))
-    return (
-        f'<div class="wb-read" tabindex="0">{table_html(rows, title=plan.digest, made=made)}</div>'
-    )
+        add("Plan", LabelText.NAME(name=short(plan.digest)), is_usual=True)
+    return deviations, usual
+
+
+def _cycle(state: State) -> Message:
+    seconds = sum(plan.cycle_seconds for plan in state.plans)
+    if len(state.plans) > 1:
+        return ApprovalText.ALL_SECONDS(cycle=seconds)
+    return cycle_words(seconds, state.bound)
+
+
+def _warnings(state: State) -> list[Message]:
+    """The planner's remarks on what may go wrong, of all plans; each once."""
+    found: dict[str, Message] = {}
+    for proven_plan in state.whole_row:
+        plan = proven_plan.plan
+        for remark in plan.remarks:
+            if any(map(remark.mentions, WARNINGS)):
+                shown = renumber(remark, state.plans[0], plan.detections)
+                found.setdefault(str(shown), shown)
+    return list(found.values())
 
 
 def _plan(cell: Cell, plan: Plan) -> list[Fact]:
     """What one plan takes, and how."""
-    facts: list[Fact] = [("Strategy", _strategy(plan, plan.remarks))]
+    facts: list[Fact] = [("Strategy", _strategy(plan, _usual_remarks(plan.remarks)))]
     if plan.is_view_plan and (carrier := cell.scanner.on_arm) is not None:
-        name = LabelText.ARM(arm=carrier.arm.capitalize())
+        name = arm_label(carrier.arm)
         leads_home = carrier.leads_home(plan.arms[0].legs[0].q)
         to_view = ApprovalText.TO_VIEW(view=carrier.view.name)
         facts.append((name, ApprovalText.TO_HOME() if leads_home else to_view))
     if plan.is_stir_plan:
-        name = LabelText.ARM(arm=plan.strategy.arm.capitalize())
+        name = arm_label(plan.strategy.arm)
         opening = plan.arms[0].leg("stir").opening
         has_fingers = bool(cell.arm(plan.strategy.arm).tool.fingers)
         stirs = ApprovalText.STIRS_OPEN(opening=opening) if has_fingers else ApprovalText.STIRS()
         facts.append((name, stirs))
     if plan.is_tool_plan:
-        name = LabelText.ARM(arm=plan.strategy.arm.capitalize())
+        name = arm_label(plan.strategy.arm)
         old, new = cell.arm(plan.strategy.arm).tool.name, plan.arms[0].tool
         facts.append((name, ApprovalText.CHANGES_TOOL(old=old, new=new)))
     for arm in plan.picks:
         kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
         grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=label_grasp(arm.grasp, arm.tcp))
-        facts.append((LabelText.ARM(arm=arm.arm.capitalize()), grasp))
+        facts.append((arm_label(arm.arm), grasp))
     return facts
+
+
+def _usual_remarks(remarks: Sequence[Message]) -> list[Message]:
+    """Those that are no warning: warnings stand by themselves."""
+    return [remark for remark in remarks if not any(map(remark.mentions, WARNINGS))]
 
 
 def _plans(state: State) -> list[Fact]:
@@ -174,7 +234,9 @@ def _plans(state: State) -> list[Fact]:
             )
             for part, arm in zip(parts_taken(first, plan), plan.picks, strict=True)
         ]
-        remarks = [renumber(remark, first, plan.detections) for remark in plan.remarks]
+        remarks = [
+            renumber(remark, first, plan.detections) for remark in _usual_remarks(plan.remarks)
+        ]
         proven = ApprovalText.PROVEN_PLAN(
             cycle=plan.cycle_seconds,
             clearance=bounds_message(proof),

@@ -5,7 +5,7 @@ import viser
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.outcomes import ReportPick, parts_sent_for
 from workbench.app.core.picks import Outcome
-from workbench.app.core.state import sent_for
+from workbench.app.core.state import Phase, State, sent_for
 from workbench.app.core.value_checks import LONGEST_TEXT
 from workbench.gui.help.groups import help_html
 from workbench.gui.shared.look import View
@@ -14,6 +14,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.errors import InputError
 from workbench.model.messages.message import FoundPart, as_message
+from workbench.model.plan import ArmPlan, Plan
 from workbench.model.release import PickResult
 from workbench.words.words import Words
 
@@ -41,6 +42,18 @@ HINTS = {
     PickResult.DROPPED: "The part was lost on the way: look where it lies.",
     PickResult.DOUBLE: "A second part came with it: take that out of the place.",
 }
+
+
+NOT_YET = {
+    PickResult.PICKED: "The robot still moves: the part is not at its place yet.",
+    PickResult.FAILED: "The hand has not closed on this part yet.",
+    PickResult.DROPPED: "The hand has not closed on this part yet.",
+    PickResult.DOUBLE: "The robot still moves: the part is not at its place yet.",
+}
+"""Why a result cannot be reported while a plan is sent."""
+
+AFTER_GRIP = frozenset({PickResult.FAILED, PickResult.DROPPED})
+"""What a person can see, and report, as soon as the hand has closed on the part."""
 
 
 class OutcomeInputs:
@@ -83,8 +96,9 @@ class OutcomeInputs:
         for row in self._rows[len(parts) :]:
             row.hide()
         first = "" if sent is None else sent.plans[0].digest
+        early = too_early(state)
         for row, (number, arm) in zip(self._rows, parts, strict=False):
-            row.show(first, number, arm, said.get(number))
+            row.show(first, number, arm, said.get(number), early.get(number, frozenset()))
 
 
 class _PartRow:
@@ -134,7 +148,14 @@ class _PartRow:
         for control in self._controls:
             control.visible = False
 
-    def show(self, first: str, number: int, arm: str, said: Outcome | None) -> None:
+    def show(
+        self,
+        first: str,
+        number: int,
+        arm: str,
+        said: Outcome | None,
+        early: frozenset[PickResult] = frozenset(),
+    ) -> None:
         """Show a part of what was sent.
 
         Args:
@@ -142,12 +163,15 @@ class _PartRow:
             number: its index there.
             arm: that was to take it.
             said: what became of it, None while nobody has said so.
+            early: results that nobody can know yet.
         """
         self._shown = first, number
         words = self._visitor.words
         for result, button in self._buttons.items():
             button.label = _label(arm, result, words)
-            button.disabled = said is not None and said.became is result
+            is_said = said is not None and said.became is result
+            button.disabled = is_said or result in early
+            self._visitor.explain(button, NOT_YET[result] if result in early else "")
         part, kind, tip = FoundPart(number), "result", ""
         text = str(part)
         if said is not None:
@@ -160,6 +184,33 @@ class _PartRow:
         self._text.content = line(text, kind=kind, span=1, tip=tip)
         for control in self._controls:
             control.visible = True
+
+
+def too_early(state: State) -> dict[int, frozenset[PickResult]]:
+    """The results that nobody can know yet, by the parts' numbers, while a plan is sent.
+
+    A link that reports no steps says nothing before the end.
+    """
+    if state.phase is not Phase.SENDING or state.plan is None:
+        return {}
+    picks = state.plan.picks
+    step = max((receipt.step for receipt in state.receipts), default=0)
+    # The parts of the plan on its way are the last ones that were sent for.
+    numbers = [number for number, _ in parts_sent_for(state)[-len(picks) :]] if picks else []
+    early: dict[int, frozenset[PickResult]] = {}
+    for number, arm in zip(numbers, picks, strict=True):
+        is_gripped = step >= _first_step_with_part(state.plan, arm)
+        early[number] = frozenset(PickResult) - (AFTER_GRIP if is_gripped else frozenset())
+    return early
+
+
+def _first_step_with_part(plan: Plan, arm: ArmPlan) -> int:
+    """The number, from 1, of the step in which an arm first moves with its part."""
+    return next(
+        number
+        for number, step in enumerate(plan.sequence, 1)
+        if any(name == arm.arm and arm.leg(leg).holding for name, leg in step.runs)
+    )
 
 
 def _label(arm: str, result: PickResult, words: Words) -> str:

@@ -108,7 +108,7 @@ class CyclePanel:
                 min=0,
                 max=SEED_LIMIT - 1,
                 step=1,
-                hint="The same seed gives the same pile, the same poses and the same plan.",
+                hint="The same seed gives the same pile; another seed drops new parts.",
             )
             # Beside the kinds there is no room for the button: it goes below, to the right.
             self._gap = gui.add_html('<div class="wb-span2"></div>', visible=False)
@@ -154,11 +154,11 @@ class CyclePanel:
             self._row.add_wanted()
             self._threshold.add_forecast()
             self._plan_line = gui.add_html("")
+            self._help_line = gui.add_html("", visible=False)
+            self._fix = FixInputs(self._visitor)
             self._row.add_row()
             self._stir = StirButton(self._visitor, self._seed)
             self._tool = ToolButton(self._visitor, self._seed)
-            self._help_line = gui.add_html("", visible=False)
-            self._fix = FixInputs(self._visitor)
 
     def _add_sending(self, gui: viser.GuiApi) -> None:
         with group(gui, "4 · Approve, 5 · Send to the robot") as sending:
@@ -330,7 +330,7 @@ class CyclePanel:
         if parts in range(1, MOST_PARTS + 1) and seed in range(SEED_LIMIT):
             self._visitor.look.change(scan_asked=(parts, seed))
         kind = "" if kit_of(self._visitor.bench.state.cell) else self._kind.value
-        return TakeScan(seed, parts, kind)
+        return TakeScan(seed, parts, kind, stays=True)
 
     def _wanted_bin(self) -> Command:
         state = self._visitor.bench.state

@@ -1,13 +1,16 @@
 """What planning has brought: a card of four numbers and one line, or why there is no plan."""
 
+from collections import Counter
 from html import escape
 
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.state import State
 from workbench.gui.shared.views import hint, line, message_text, mm, sentence
+from workbench.gui.texts.approval import ApprovalText
 from workbench.gui.texts.cycle import CyclePageText
-from workbench.model.candidate import Reason
-from workbench.model.messages.message import all_of
+from workbench.model.candidate import Candidate, Reason
+from workbench.model.derived.row_parts import parts_taken
+from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.plans import cycle_words, strategy_message
 from workbench.model.messages.states import StateText
 from workbench.model.motion import ceil_speed, floor_distance
@@ -50,7 +53,12 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
     said = (result, *(() if speed is None else (speed,)), *plan.remarks)
     text = message_text(all_of(said) or result, words)
     kind = "warn" if plan.goes_unseen else "result"
-    return _card(state, plan, proof, words) + line(text, kind=kind, tip=text)
+    unsaved = unsaved_message(state)
+    rests = words.render(None if unsaved is None else ApprovalText.RESTS_ON(changes=unsaved))
+    warning = line(rests, kind="warn", tip=rests) if rests else ""
+    left = left_message(state)
+    why_left = "" if left is None else line(sentence(words.render(left)), kind="hint")
+    return _card(state, plan, proof, words) + line(text, kind=kind, tip=text) + why_left + warning
 
 
 def _no_plan_line(state: State, words: Words) -> str:
@@ -99,3 +107,46 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
 def _tightness(clearance: float, margin: float) -> str:
     """The class of a clearance [m], by the margin [m] that is asked for."""
     return "wb-tight" if clearance < TIGHT * margin else "wb-clear"
+
+
+def unsaved_message(state: State) -> Message | None:
+    """The changes since the cell's files were saved; None where they have all of it."""
+    if state.is_saved:
+        return None
+    # The newest change is the first; below the saved cell are those that it has.
+    digests = [edited.cell.digest for edited in state.before]
+    if state.saved not in digests:
+        return ApprovalText.UNSAVED()
+    count = digests.index(state.saved) + 1
+    return ApprovalText.UNSAVED_CHANGES(count=count, change=state.before[0].change)
+
+
+def left_message(state: State) -> Message | None:
+    """How many parts the plans leave, and why most of them; None where they leave none.
+
+    Of a cell with several arms it is about the arms that take no part.
+    """
+    if state.plan is None or not state.plan.picks or not state.candidates:
+        return None
+    first = state.plans[0]
+    taken = {number for plan in state.plans for number in parts_taken(first, plan)}
+    left = [number for number in range(len(first.detections)) if number not in taken]
+    if not left:
+        return None
+    busy = {pick.arm for plan in state.plans for pick in plan.picks}
+    arms = {arm.name for arm in state.cell.arms} - busy or busy
+    tried = [candidate for candidate in state.candidates if candidate.arm in arms]
+    reasons = Counter(_reason([each for each in tried if each.detection == part]) for part in left)
+    reason, number = reasons.most_common(1)[0]
+    if reason is Reason.OK:
+        return CyclePageText.LEFT_FOR_LATER(count=len(left))
+    return CyclePageText.LEFT(
+        count=len(left), arms=sorted(arms), reason=reason.message, number=number
+    )
+
+
+def _reason(candidates: list[Candidate]) -> Reason:
+    """Why a part is not taken by these: that of the candidate that got farthest."""
+    if not candidates or any(candidate.verdict.is_ok for candidate in candidates):
+        return Reason.OK
+    return max(candidates, key=lambda candidate: candidate.verdict.progress).verdict.kind

@@ -1,6 +1,6 @@
 """What the program proposes for a part: its symmetry, and grasps to take or leave."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -24,10 +24,18 @@ from workbench.model.messages.commands import GraspEditText
 from workbench.model.part import Grasp, Part
 from workbench.model.part_edits import free_name, names_in
 from workbench.model.symmetry import Symmetry
+from workbench.planning.grasps.coverage import rank_for_bin
 from workbench.planning.grasps.grasp_check import GraspCheck
 from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
 from workbench.planning.grasps.part_symmetry import proposed_symmetry
 from workbench.planning.kinematics.quickness import tool_acceleration
+
+RANKED_OF_EACH, FEWEST_RANKED = 3, 24
+"""Times as many grasps as are listed, and at least these, are tried against the bin."""
+
+IN_THE_BIN = (
+    "In the bin: the share of the ways to lie in which hand and arm can take the part, alone there."
+)
 
 
 class SymmetryControls:
@@ -98,12 +106,18 @@ class Suggestions:
         """Add the controls; `preview` shows a grasp that is not in the library."""
         self._visitor, self._editing, self._preview = visitor, editing, preview
         self._found: tuple[Suggestion, ...] = ()
+        self._shares: Mapping[str, float] = {}
         self._about: tuple[Mesh, str] | None = None
         self._chosen = 0
         self._left_out = ""
         gui = visitor.gui
         self._most = gui.add_slider(
-            "How many", 1, MOST_SUGGESTIONS, 1, 8, hint="The best ones are listed."
+            "How many",
+            1,
+            MOST_SUGGESTIONS,
+            1,
+            8,
+            hint="Those are listed that take the part in most of its ways to lie in the bin.",
         )
         self._seed = gui.add_number("Seed", 0, min=0, step=1, hint="Of what is sampled.")
         gui.add_html('<div class="wb-buttons wb-three"></div>')
@@ -135,15 +149,16 @@ class Suggestions:
         part, tool = self._editing.part, self._editing.tool
         refused: list[GraspCheck] = []
         try:
-            seed = int(self._seed.value)
+            seed, most, cell = int(self._seed.value), int(self._most.value), self._visitor.cell
             found = suggest(
                 part,
                 tool,
-                most=int(self._most.value),
+                most=max(FEWEST_RANKED, RANKED_OF_EACH * most),
                 seed=seed,
-                acceleration=tool_acceleration(self._visitor.cell, tool),
+                acceleration=tool_acceleration(cell, tool),
                 refused=refused.append,
             )
+            ranked = rank_for_bin(cell, part, tool, found)[:most]
         except (WorkbenchError, ValueError) as error:
             why = error.message if isinstance(error, WorkbenchError) else str(error)
             self._table.content = line(self._visitor.words.render(why), kind="bad")
@@ -153,7 +168,8 @@ class Suggestions:
         if refused:
             left_out = self._visitor.words.render(refused_message(refused))
             self._left_out = line(left_out, kind="hint")
-        self._show(found, 0)
+        self._shares = {suggestion.grasp.name: share for suggestion, share in ranked}
+        self._show(tuple(suggestion for suggestion, _ in ranked), 0)
 
     def _show(self, found: tuple[Suggestion, ...], chosen: int) -> None:
         self._found, self._chosen = found, chosen
@@ -163,7 +179,11 @@ class Suggestions:
             hint = line(self._visitor.words.render(nothing), kind="hint")
             self._table.content = hint + self._left_out
             return
-        self._table.content = suggestions_html(found, chosen, self._rows) + self._left_out
+        self._table.content = (
+            suggestions_html(found, chosen, self._rows, self._shares)
+            + line(IN_THE_BIN, kind="hint")
+            + self._left_out
+        )
         self._preview(found[chosen].grasp)
 
     def _choose(self, number: int) -> None:

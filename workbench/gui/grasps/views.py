@@ -208,10 +208,20 @@ def _triple(values: Floats) -> str:
     return f"({x}, {y}, {z})"
 
 
-def suggestions_html(found: Sequence[Suggestion], chosen: int, rows: Sequence[str]) -> str:
-    """A table with a row for each suggestion, the best first."""
+def suggestions_html(
+    found: Sequence[Suggestion], chosen: int, rows: Sequence[str], shares: Mapping[str, float]
+) -> str:
+    """A table with a row for each suggestion, the best first.
+
+    Args:
+        found: the suggestions.
+        chosen: the number of the one that is shown.
+        rows: ids of unseen buttons.
+        shares: 0 to 1, by names: of the ways to lie in the bin, those in which it can be taken.
+    """
     heads = (
         ("Suggestion", ""),
+        ("In the bin", "wb-number"),
         ("Score", "wb-number"),
         ("Holds", "wb-number"),
         ("Inclined", "wb-number"),
@@ -221,6 +231,7 @@ def suggestions_html(found: Sequence[Suggestion], chosen: int, rows: Sequence[st
     body = "".join(
         f"<tr{mark_attribute(number == chosen)} {clickable(rows[number])}>"
         f'<td translate="no">{escape(suggestion.grasp.name)}</td>'
+        f'<td class="wb-number">{shares.get(suggestion.grasp.name, 0.0):.0%}</td>'
         f'<td class="wb-number">{suggestion.score:.2f}</td>'
         f'<td class="wb-number">{escape(mm(suggestion.grasp.grip))}</td>'
         f'<td class="wb-number">{math.degrees(suggestion.angle):.0f}°</td>'

@@ -1,5 +1,8 @@
 """The strip that says who is in control, and passes control on."""
 
+import time
+from collections.abc import Callable
+
 import viser
 
 from workbench.app.core.command import Command
@@ -23,6 +26,10 @@ STYLE = "div:has(> div > .wb-head) > div:has(> .wb-control) { grid-column: span 
 """One line beside one button, as the status above it has it."""
 
 
+DOUBLE_CLICK = 0.7
+"""[s] A press this soon after one of the same button is the second click of a double click."""
+
+
 class ControlStrip:
     """One line and the buttons that mean something now; unseen where nobody needs control.
 
@@ -42,11 +49,27 @@ class ControlStrip:
         self._take = gui.add_button("Take control", icon=viser.Icon.HAND_GRAB, visible=False)
         self._give = gui.add_button("Hand over", icon=viser.Icon.CHECK, visible=False)
         self._keep = gui.add_button("Keep", icon=viser.Icon.X, color="gray", visible=False)
-        visitor.on_press(self._take, TakeControl)
-        visitor.on_press(self._ask, AskForControl)
-        visitor.on_press(self._back, ReleaseControl)
-        visitor.on_press(self._give, self._handed_over)
-        visitor.on_press(self._keep, self._keep_control)
+        self._on_single_press(self._take, TakeControl)
+        self._on_single_press(self._ask, AskForControl)
+        self._on_single_press(self._back, ReleaseControl)
+        self._on_single_press(self._give, self._handed_over)
+        self._on_single_press(self._keep, self._keep_control)
+
+    def _on_single_press(
+        self, button: viser.GuiButtonHandle, command: Callable[[], Command]
+    ) -> None:
+        """Have a button give a command once, however often it is clicked in a row.
+
+        After the first click the same button may be about another person.
+        """
+        pressed_at = -DOUBLE_CLICK
+
+        @button.on_click
+        def _(_: object) -> None:
+            nonlocal pressed_at
+            before, pressed_at = pressed_at, time.monotonic()
+            if pressed_at - before >= DOUBLE_CLICK:
+                self._visitor.ask(command)
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""

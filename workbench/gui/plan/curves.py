@@ -96,7 +96,8 @@ def _legend(cell: Cell, leg: str) -> str:
 def _tracks(cell: Cell, runs: tuple[Run, ...], seconds: float, words: Words) -> list[str]:
     """A lane an arm, with its name."""
     return [
-        f'<div class="wb-lane"><span class="wb-lane-name" translate="no">{escape(arm.name)}</span>'
+        '<div class="wb-lane"><span class="wb-lane-name" translate="no">'
+        f"{escape(words.arm(arm.name))}</span>"
         f'<div class="wb-track">{_blocks(k, arm, runs, seconds, words)}<i class="wb-at"></i></div>'
         "</div>"
         for k, arm in enumerate(cell.arms)
@@ -272,12 +273,17 @@ def plots_of(
             Curve("free motion", JOINTS[0], free),
             Curve("linear motion", JOINTS[5], straight),
         )
-        found.append(Plot("Least clearance, up to 100", "mm", times, ways, low=0.0))
+        policy = cell.policy
+        required = ((policy.margin * 1000, JOINTS[0]), (policy.near_margin * 1000, JOINTS[5]))
+        title = words.render(
+            PlanText.CLEARANCES(margin=policy.margin, near_margin=policy.near_margin)
+        )
+        found.append(Plot(title, "mm", times, ways, low=0.0, limits=required))
         if len(cell.arms) > 1:
             apart = (Curve("between the arms", JOINTS[3], arms),)
             found.append(Plot("Least distance of the arms, up to 400", "mm", times, apart, low=0.0))
     speeds = tuple(
-        Curve(arm.name, arm_colour(k), speed_curve(arm, cell, runs, seconds))
+        Curve(words.arm(arm.name), arm_colour(k), speed_curve(arm, cell, runs, seconds))
         for k, arm in enumerate(cell.arms)
     )
     even = np.linspace(0.0, max(seconds, 1e-3), len(speeds[0].values))

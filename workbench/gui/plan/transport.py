@@ -5,7 +5,7 @@ from html import escape
 
 import viser
 
-from workbench.app.core.state import State
+from workbench.app.core.state import Phase, State
 from workbench.gui.drawing.play_button import PlayButton, play_problem
 from workbench.gui.plan.curves import bands_html
 from workbench.gui.shared.look import AFTER_CYCLE, View
@@ -73,6 +73,7 @@ class Transport:
         if old is None or old.state.plans != state.plans:
             self._draw_plan(new)
         if old is None or old.state is not state:
+            self._show_clock(new)
             problem = play_problem(self._visitor, state)
             for control in (self._time, self._speed, self._loops):
                 control.disabled = bool(problem)
@@ -99,13 +100,21 @@ class Transport:
             round(math.ceil(round(seconds / SLIDER_STEP, 6)) * SLIDER_STEP, 2), SLIDER_STEP
         )
         if state.plan is None:
-            self._bands.content = self._cursor.content = self._clock.content = ""
+            self._bands.content = self._cursor.content = ""
             self._time.value = 0.0
             return
         words = self._visitor.words
         self._bands.content = bands_html(state.cell, view.runs, seconds, words)
-        total = escape(words.render(PlanText.OF_SECONDS(total=seconds)))
-        self._clock.content = f'<div class="wb-clock">{total}</div>'
+
+    def _show_clock(self, view: View) -> None:
+        """How long the plan is; and that the mark is no preview while it follows the robot."""
+        is_sent = view.state.phase is Phase.SENDING and not view.is_recorded
+        text = PlanText.ROBOT_OF_SECONDS if is_sent else PlanText.OF_SECONDS
+        total = escape(self._visitor.words.render(text(total=view.plan_seconds)))
+        kind = " wb-follows" if is_sent else ""
+        html = f'<div class="wb-clock{kind}">{total}</div>' if view.state.plan else ""
+        if html != self._clock.content:
+            self._clock.content = html
 
     def _ends_preview(self, state: State) -> bool:
         """Whether there is a robot to view again that does not stand at the plan's start."""

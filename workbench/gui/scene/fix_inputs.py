@@ -4,8 +4,9 @@ import viser
 
 from workbench.app.core.cell.changes import UndoCell
 from workbench.app.core.cell.part_edits import EditPart
-from workbench.app.picking.fixing import make_fix_command
+from workbench.app.picking.fixing import explain_fix, make_fix_command
 from workbench.gui.shared.look import NO_HELP, Help, View
+from workbench.gui.shared.views import line, sentence
 from workbench.gui.shared.visitor import Visitor
 
 
@@ -19,6 +20,7 @@ class FixInputs:
         """Add the buttons where the page is built now, unseen."""
         self._visitor = visitor
         self._help = NO_HELP
+        self._scope = visitor.gui.add_html("", visible=False)
         # In some languages it would take two lines where there is room for one.
         visitor.gui.add_html('<div class="wb-wide"></div>')
         self._apply = visitor.gui.add_button(
@@ -26,8 +28,9 @@ class FixInputs:
             icon=viser.Icon.TOOL,
             color="gray",
             visible=False,
-            hint="Changes the grasp, for all parts of its kind, or what the cell asks for.",
+            hint="Plan again after it; Undo the fix takes it back.",
         )
+        self._applied = visitor.gui.add_html("", visible=False)
         self._undo = visitor.gui.add_button(
             "Undo the fix", icon=viser.Icon.ARROW_BACK_UP, color="gray", visible=False
         )
@@ -42,7 +45,14 @@ class FixInputs:
         self._help, state = help, new.state
         fix = help.fix
         self._apply.visible = fix is not None and (fix.grasp or fix.policy) is not None
+        words = self._visitor.words
+        scope = None if fix is None or not self._apply.visible else explain_fix(state, fix)
+        self._scope.content = line(words.render(scope))
+        self._scope.visible = scope is not None
         self._undo.visible = bool(state.before) and new.look.fixed == state.cell.digest
+        self._applied.visible = self._undo.visible
+        change = sentence(words.render(state.before[0].change)) if state.before else ""
+        self._applied.content = line(change)
         self._visitor.admit(self._apply, state, EditPart)
         self._visitor.admit(self._undo, state, UndoCell)
 

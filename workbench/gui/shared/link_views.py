@@ -5,11 +5,12 @@ from html import escape
 
 import numpy as np
 
+from workbench.app.core.cycle.sending import step_reported
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clock, line, parts_placed, table_html
 from workbench.gui.texts.cycle import LinkPageText
-from workbench.gui.texts.labels import LabelText
+from workbench.gui.texts.labels import LabelText, arm_label
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.controller_axes import shown_axes, units_said
 from workbench.model.messages.message import FoundPart, Message, as_message
@@ -45,8 +46,9 @@ def link_html(view: View, words: Words = IN_ENGLISH) -> str:
     phase = as_message(WORDS.get(state.phase, "closed"))
     if state.phase is Phase.SENDING and link.phase:
         phase = as_message(link.phase)
-        if link.step:
-            phase = LinkPageText.STEP(phase=phase, number=link.step, total=link.steps)
+        number = step_reported(state)
+        if number and state.plan is not None:
+            phase = LinkPageText.STEP(phase=phase, number=number, total=len(state.plan.sequence))
     name = LabelText.NAME(name=controller.link)
     if link.version:
         name = LinkPageText.VERSION(link=controller.link, version=link.version)
@@ -74,7 +76,7 @@ def link_html(view: View, words: Words = IN_ENGLISH) -> str:
         ]
     if state.plan is not None:
         facts.append(("Parts", parts_placed(state, words)))
-    facts += [(LabelText.ARM(arm=r.arm.capitalize()), _part(r)) for r in state.part_reports]
+    facts += [(arm_label(r.arm), _part(r)) for r in state.part_reports]
     rows = [(words.render(title), words.render(fact)) for title, fact in facts]
     bar = ""
     if state.receipts:

@@ -18,6 +18,9 @@ PLOT_WIDTH, PLOT_HEIGHT = 1000.0, 100.0
 
 MOST_TICKS = 5
 
+MOST_ALONG = 90.0
+"""[%] Numbers along the axis are centred up to here; farther on they would leave the plot."""
+
 COUNTED = ("cycle",)
 """Axes along which things are counted."""
 
@@ -38,7 +41,8 @@ class Curve:
 class Plot:
     """Curves over the same `times` (k,) [s], or over what `along` names.
 
-    What is shown reaches from `low` to `high` at least.
+    What is shown reaches from `low` to `high` at least.  Each of the `limits` is a dashed line at a
+    value, in a colour.
     """
 
     title: str
@@ -48,12 +52,13 @@ class Plot:
     low: float = math.inf
     high: float = -math.inf
     along: str = "s"
+    limits: tuple[tuple[float, str], ...] = ()
 
     @property
     def bounds(self) -> tuple[float, float]:
         """Least and greatest value that is shown."""
         values = np.concatenate([curve.values for curve in self.curves])
-        known = values[np.isfinite(values)]
+        known = np.append(values[np.isfinite(values)], [value for value, _ in self.limits])
         low, high = known.min(initial=self.low), known.max(initial=self.high)
         if not (math.isfinite(low) and math.isfinite(high)):
             return 0.0, 1.0
@@ -89,6 +94,11 @@ def plot_html(plot: Plot, end: float, slider: str = "") -> str:
     across = "".join(
         f'<i class="wb-grid" style="bottom:{_share(tick, low, high):.2f}%"><b>{tick:g}</b></i>'
         for tick in ticks(low, high)
+    )
+    across += "".join(
+        f'<i class="wb-limit" style="bottom:{_share(value, low, high):.2f}%;'
+        f'border-color:{colour}"></i>'
+        for value, colour in plot.limits
     )
     goes = f' onclick="{escape(_goes(slider))}"' if slider else ""
     cursor = '<i class="wb-at"></i>' if slider else ""
@@ -142,10 +152,17 @@ def _line(
 
 def _along(begin: float, end: float, unit: str) -> str:
     every = ticks(begin, max(end, begin + 1e-3), is_whole=unit in COUNTED)
-    marks = "".join(
-        f'<b style="left:{_share(tick, begin, end):.2f}%">{tick:g}</b>' for tick in every
-    )
-    return f'<div class="wb-times">{marks}<span>{escape(unit)}</span></div>'
+    marks = [f'<b style="{_place_along(_share(tick, begin, end))}">{tick:g}</b>' for tick in every]
+    # The unit stands behind the last number, where it lies over none.
+    marks[-1] = marks[-1].removesuffix("</b>") + f"<span> {escape(unit)}</span></b>"
+    return f'<div class="wb-times">{"".join(marks)}</div>'
+
+
+def _place_along(share: float) -> str:
+    """The style of a number at a share [%] of the axis: centred there, at its end before it."""
+    if share > MOST_ALONG:
+        return "left:auto;right:0;transform:none"
+    return f"left:{share:.2f}%"
 
 
 def _share(value: float, low: float, high: float) -> float:

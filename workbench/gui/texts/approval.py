@@ -63,4 +63,11 @@ class ApprovalText(Text, subject="page-approval"):
     CLEAR_OF_BIN_AND = "{clear}, {things}"
     UNKNOWN_THINGS = "{count} unknown {count:thing|things} in the scan"
     ON_PALLETS = "{count} {count:part|parts} already put down"
+    UNSAVED = "cell or grasps differ from their files"
+    UNSAVED_CHANGES = (
+        "{count} {count:change|changes} of cell or grasps not saved, the last: {change}"
+    )
+    RESTS_ON = "Rests on what is not saved: {changes}"
+    FULL_SPEED = "Full speed: as fast as planned, with up to {share:%} of the joints' speed limits"
+    SLOWER = "Slower: with up to {share:%} of the joints' speed limits"
     AS_LEFT = "{clear}, each plan with what those before it leave"

@@ -28,6 +28,10 @@ class CyclePageText(Text, subject="page-cycle"):
     STIRS = "The {arm} arm stirs the parts at up to {speed:mm/s}, clear of everything else"
     TO_HOME = "The {arm} arm takes the scanner home, clear of the whole bin"
     TO_VIEW = "The {arm} arm takes the scanner to view {view}, clear of the whole bin"
+    LEFT = (
+        "{count} {count:part|parts} left; most frequent reason: {reason} ({number}, {arms:and} arm)"
+    )
+    LEFT_FOR_LATER = "{count} {count:part|parts} left for a later plan"
     PROOF_FAILS = "The proof does not hold: {violation}"
     NO_PROOF = "The plan has no proof."
     FORECAST = "Of {piles} simulated pairs at {distance:mm0}: {facts}"
@@ -58,6 +62,7 @@ class CyclePageText(Text, subject="page-cycle"):
     BEFORE_STEP = "Before step 1 of {total}"
     RUN_STEP = "Run step {number} of {total}: {legs}"
     STEP_RUNS = "Step {number} of {total} runs: {legs}"
+    PARTS_STAY = "Simulation: the next scan shows the {count} {count:part|parts} left in the bin"
     RUNS_MEANWHILE = "During the motion runs {task}."
     PICKED = "{arm} picked"
     FAILED = "{arm} failed"

@@ -1,6 +1,6 @@
 """Labels of arms, parts, plans and distances, which several tabs show."""
 
-from workbench.model.messages.message import Text
+from workbench.model.messages.message import Message, Text
 
 
 class LabelText(Text, subject="page"):
@@ -8,6 +8,8 @@ class LabelText(Text, subject="page"):
 
     NAME = "{name}"
     ARM = "{arm} arm"
+    LEFT_ARM = "Left arm"
+    RIGHT_ARM = "Right arm"
     ADDRESS = "{host} port {port}"
     AT_LEAST = "at least {distance:mm}"
     TOUCHING = "touching"
@@ -16,3 +18,9 @@ class LabelText(Text, subject="page"):
     LIST = "{items}"
     SENTENCE = "{text}."
     AXIS = "Axis {number}"
+
+
+def arm_label(arm: str) -> Message:
+    """An arm in a label: `Left arm`; other names than left and right stay as the cell has them."""
+    known = {"left": LabelText.LEFT_ARM, "right": LabelText.RIGHT_ARM}.get(arm)
+    return LabelText.ARM(arm=arm.capitalize()) if known is None else known()

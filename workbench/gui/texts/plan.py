@@ -24,4 +24,8 @@ class PlanText(Text, subject="page-plan"):
     BLOCK = "{leg}: {start:s2} to {end:s2}, {motion}"
     BLOCK_HELD = "{leg}: {start:s2} to {end:s2}, {motion}, with the part"
     OF_SECONDS = "of {total:s2}"
+    ROBOT_OF_SECONDS = "follows the robot, of {total:s2}"
+    CLEARANCES = (
+        "Least clearance, up to 100; dashed: required ({margin:mm} free, {near_margin:mm} linear)"
+    )
     ARM_AXES = "Axes of the {arm} arm"

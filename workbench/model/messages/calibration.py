@@ -120,6 +120,7 @@ class VerifyText(Text, subject="verify"):
         "short: the scanner's scale is wrong"
     )
     FEW_SCANS = "{true}; scan the balls in {advised} places or more"
+    SAME_PLACE = "{few}; {scan} does not count: its balls lie where those of {other} do"
     NO_TCP = "the tool of the {arm} arm has no TCP: it lies in the flange; measure and enter it"
     SEAT = "the inner diameter of the tip is 0 or more, and less than that of the ball, {ball} mm"
     FAR_TOUCH = (

@@ -51,6 +51,7 @@ from workbench.model.messages.parts import (
     SymmetryText,
 )
 from workbench.model.messages.plans import (
+    ArmText,
     CycleText,
     GuaranteeText,
     LegText,
@@ -160,6 +161,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     PalletText,
     StationText,
     StepText,
+    ArmText,
     CycleText,
     FileText,
     ScanText,

@@ -54,6 +54,14 @@ class FixText(Text, subject="fix"):
     LESS_DEEP = "grasp {by:mm0} less deep"
     SLIDE = "move the grasp by {by} mm along {axis} of the TCP"
     OPENING = "open the fingers {opening:mm0} wide on arrival"
+    ON_GRASP = "Changes grasp {grasp} of {part}, for every part of this kind: {changes:and}"
+    ON_PATTERN = (
+        "Changes grasp {grasp} of {part} and its copies, for every part of this kind: {changes:and}"
+    )
+    ON_CELL = "Changes the whole cell, for all parts and arms: {changes:and}"
+    LENGTH = "{name} from {before:mm} to {after:mm}"
+    ANGLE = "{name} from {before:deg1} to {after:deg1}"
+    LIFTS_CHANGED = "lifts from {before} to {after}"
     APPLIED = "nearest fix applied to {grasp}: {change}"
     APPLIED_TO_CELL = "nearest fix applied to the cell: {change}"
     GRASP_GONE = "grasp {grasp} does not exist any more"

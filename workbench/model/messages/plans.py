@@ -46,6 +46,13 @@ class StrategyText(Text, subject="strategy"):
     ONE_ARM = "{arm} arm only"
 
 
+class ArmText(Text, subject="arm"):
+    """Names of arms that people read in their language; others stay as the cell has them."""
+
+    LEFT = "left"
+    RIGHT = "right"
+
+
 class GuaranteeText(Text, subject="guarantee"):
     """Under which condition the arms stay apart."""
 

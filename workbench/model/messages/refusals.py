@@ -187,6 +187,7 @@ class ChangeRefusal(Text, subject="cell-change"):
     HOME_OUTSIDE = "the home of the {arm} arm lies outside its limits"
     WAITS_AT_VIEW = "the {arm} arm waits at view {view} with the scanner; change the cell file"
     MOST_POSES = "up to {most} poses are taken"
+    SAME_POSE = "the {arm} arm stands as in {pose}, so another scan adds nothing: move it first"
     MOST_POSES_TAKEN = "up to {most} poses are taken; remove one of them first"
     NOTHING_CHANGED = "nothing has changed that nobody has acknowledged"
     OTHER_CHANGES = (

@@ -27,6 +27,9 @@ LEAST_SCALE = 0.0005
 ADVISED = 3
 """Scans in different places."""
 
+SAME_PLACE_WITHIN = 0.01
+"""[m] Balls that all lie nearer to those of another scan, for the scanner, are in its place."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trueness:
@@ -79,9 +82,27 @@ def assess_trueness(scans: Sequence[BallScan], limit: float) -> Trueness:
         light, says = "bad", VerifyText.NOT_TRUE(off=abs(largest), limit=limit, scan=names[worst])
     elif abs(scale) > max(scale_error, LEAST_SCALE):
         light, says = "warning", VerifyText.SCALED(off=abs(largest), limit=limit)
-    elif len(scans) < ADVISED:
+    elif len(scans) - len(repeated := _find_repeated(scans)) < ADVISED:
         light, says = "warning", VerifyText.FEW_SCANS(true=says, advised=ADVISED)
+        if repeated:
+            name, other = repeated[0]
+            says = VerifyText.SAME_PLACE(few=says, scan=name, other=other)
     return Trueness(spacings, largest, names[worst], scale, scale_error, size, form, light, says)
+
+
+def _find_repeated(scans: Sequence[BallScan]) -> list[tuple[str, str]]:
+    """Scans that add no place: each with the earlier scan whose balls lie where its own do."""
+    repeated: list[tuple[str, str]] = []
+    for number, scan in enumerate(scans):
+        for other in scans[:number]:
+            if scan.balls.shape != other.balls.shape:
+                continue
+            # Two balls can be found in either order.
+            orders = (scan.balls, scan.balls[::-1]) if len(scan.balls) == 2 else (scan.balls,)
+            if min(np.abs(balls - other.balls).max() for balls in orders) < SAME_PLACE_WITHIN:
+                repeated.append((scan.name, other.name))
+                break
+    return repeated
 
 
 def _fit_scale(stated: Floats, spacings: Floats) -> tuple[float, float]:

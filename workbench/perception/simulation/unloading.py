@@ -1,5 +1,6 @@
 """What becomes of a pile as one part is lifted out of it: what lay on it and beside it moves."""
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -21,6 +22,12 @@ from workbench.perception.simulation.room import around_frame, radius_of
 
 LIFT_SPEED = 0.25
 """[m/s] At which a part is lifted; pushed parts move more at higher speeds."""
+
+LIFT = 0.2
+"""[m] Straight up, of a part that is taken out of a pile."""
+
+SAME_PART = 0.03
+"""[m] A part whose frame lies this near to where a scan has shown one is the same."""
 
 LEAST_SECONDS = 0.2
 """[s] A lift takes at least so long, however short its way is."""
@@ -70,6 +77,29 @@ def unloaded(
         Detection(pile[number].part, cell.bin.T_world_bin * T * Ts_part_frame[number].inverse())
         for number, T in zip(others, poses_of(data), strict=True)
     )
+
+
+def left_of(
+    cell: Cell, pile: Sequence[Detection], lifted: Sequence[pin.SE3]
+) -> tuple[Detection, ...]:
+    """What is left of a pile once parts were lifted out, one after the other, at rest again.
+
+    Args:
+        cell: whose bin and parts.
+        pile: how the parts lie, at rest.
+        lifted: `T_world_part` of each that was taken, as a scan has shown it; where no part lies
+            near enough, nothing is taken.
+    """
+    rest = tuple(pile)
+    for T in lifted:
+        away = [math.dist(part.T_world_part.translation, T.translation) for part in rest]
+        if not away or min(away) > SAME_PART:
+            continue
+        taken = int(np.argmin(away))
+        start = rest[taken].T_world_part
+        end = pin.SE3(start.rotation, start.translation + np.array([0.0, 0.0, LIFT]))
+        rest = unloaded(cell, rest, taken, (start, end))
+    return rest
 
 
 def is_in_bin(bin: Bin, part: Part, T_world_part: pin.SE3) -> bool:

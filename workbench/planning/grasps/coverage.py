@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Tool
 from workbench.model.derived.by_tcp import by_each_tcp
 from workbench.model.geometry import Bools, Floats, frozen, put, spread_directions
 from workbench.model.messages.message import Message
@@ -190,6 +190,36 @@ def _lying_share(
         works = _works(trials, trial.poses(up, k, turns, places), grasps, usable)
         share += float(frequency) * float(works.any(axis=(1, 2)).mean())
     return share
+
+
+def rank_for_bin(
+    cell: Cell, part: Part, tool: Tool, found: Sequence[Suggestion]
+) -> tuple[tuple[Suggestion, float], ...]:
+    """Suggestions by what the bin admits, the most useful first.
+
+    Args:
+        cell: whose bin and arms are used.
+        part: that the suggestions are for, with its tolerance.
+        tool: that the suggestions are for; arms with it are tried.
+        found: the suggestions, which stay in their order where they are equally useful.
+
+    Returns:
+        Each with its share, 0 to 1, of the ways in which the part comes to lie in the bin.  Hand
+        and arm fit there, see `Trial.works`; the part lies at three places, turned four ways.
+    """
+    if not found:
+        return ()
+    trials = [Trial(each, part) for each in by_each_tcp(cell)]
+    grasps = tuple(widen_grasp(suggestion.grasp, part.tolerance) for suggestion in found)
+    carries = np.array([arm.tool.name == tool.name for arm in cell.arms])
+    usable = [each.usable(grasps) & carries for each in trials]
+    shares = np.zeros(len(found))
+    for k, (up, frequency) in enumerate(zip(*ways_to_lie(part), strict=True)):
+        poses = trials[0].poses(up, k, VERTICAL_TURNS, PLACES)
+        works = _works(trials, poses, grasps, usable)
+        shares += float(frequency) * works.any(axis=2).mean(axis=0)
+    order = np.argsort(-np.round(shares, 6), kind="stable").tolist()
+    return tuple((found[number], float(shares[number])) for number in order)
 
 
 def _missing(

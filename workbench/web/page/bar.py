@@ -7,7 +7,7 @@ the scene hangs.
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from workbench.app.core.cycle.sending import Stop
+from workbench.app.core.cycle.sending import Stop, step_reported
 from workbench.app.core.people import Person
 from workbench.app.core.rights import lacks_right, obstacle
 from workbench.app.core.state import Phase, State
@@ -110,9 +110,12 @@ def bar_words(state: State, live: Live, person: Person) -> Mapping[str, Any]:
 
 def _robot(state: State, live: Live) -> tuple[Message | str, str]:
     if state.phase is Phase.SENDING:
-        link, robot = live.link, as_message(live.robot or "does not report")
-        if link.step:
-            step = BarText.SENDING_STEP(state=robot, number=link.step, total=link.steps)
+        robot = as_message(live.robot or "does not report")
+        # The journal's step, as everywhere on the page: the link is often ahead by one.
+        number = step_reported(state)
+        if number and state.plan is not None:
+            total = len(state.plan.sequence)
+            step = BarText.SENDING_STEP(state=robot, number=number, total=total)
             return step, "busy"
         return BarText.SENDING(state=robot), "busy"
     if not live.robot:

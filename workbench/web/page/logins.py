@@ -35,12 +35,14 @@ WRONG = "Name or password are wrong."
 NO_USERS = (
     "There are no users yet. Open the link that the workbench printed when it was started. It "
     "works once, for one browser; a new start prints another. For more browsers and people add "
-    "users: workbench user add NAME --role engineer"
+    "users: workbench user add NAME --role engineer. The first user ends the login by link: "
+    "from then on everybody logs in here, by name and password."
 )
 USED = (
     "This link has been used, or belongs to an earlier start. It works once, for one browser; a "
     "new start prints another. For more browsers and people add users: workbench user add NAME "
-    "--role engineer"
+    "--role engineer. The first user ends the login by link: from then on everybody logs in "
+    "here, by name and password."
 )
 
 Ahead = Callable[[], Awaitable[str]]

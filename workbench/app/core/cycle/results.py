@@ -76,7 +76,7 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
         case (_, WorkbenchError()):
             return replace(state, message=_failure_message(job, result.message))
         case ("scan", Scan()):
-            return with_scan(state, result, at)
+            return with_scan(replace(state, pile=job.pile), result, at)
         case ("localize", tuple()):
             search = SearchRecord(
                 job.number, job.seed, job.overrides, result, max(0.0, at - job.at)

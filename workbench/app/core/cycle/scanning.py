@@ -3,6 +3,9 @@
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+import pinocchio as pin
+
 from workbench.app.core.cell.views import views_message
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import (
@@ -11,9 +14,18 @@ from workbench.app.core.cycle.arm_scanner import (
     standing_joints,
     view_problem,
 )
+from workbench.app.core.cycle.outcomes import parts_sent_for
 from workbench.app.core.people import Role
-from workbench.app.core.picks import Avoided
-from workbench.app.core.state import Phase, ScanState, State, begin_stage, stale_by
+from workbench.app.core.picks import Avoided, SimulatedPile
+from workbench.app.core.state import (
+    Phase,
+    ScanState,
+    State,
+    begin_stage,
+    is_remembered,
+    sent_for,
+    stale_by,
+)
 from workbench.app.core.tasks import Begun, begin_task
 from workbench.app.core.value_checks import (
     MOST_OBSERVATIONS,
@@ -27,17 +39,21 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.calibration import BallPlate, PlateObservation
 from workbench.model.cell import Cell
-from workbench.model.digest import called
+from workbench.model.digest import LATER, called
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.messages.commands import CommandText, StaleText
 from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
+from workbench.model.release import PickResult
 from workbench.model.scan import ALL_KINDS, Scan
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
+
+SAME_POSE_WITHIN = 0.02
+"""[rad, m] Joints nearer to each other than this are those of one pose of the plate."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,7 +61,8 @@ class TakeScan(Command):
     """Trigger the scanner.  `seed`, `parts` and `part` shape the simulated pile; 0 parts: none.
 
     `part` is which kind falls, of those that the cell picks; "all": one of each in turn; empty:
-    what kits consist of, or the first.
+    what kits consist of, or the first.  With `stays` the parts that are left of the same pile stay
+    where they are, as long as some are left; otherwise the pile falls anew.
     """
 
     right: ClassVar[Right] = Right(CommandText.TAKE_SCAN, SAFE)
@@ -53,6 +70,7 @@ class TakeScan(Command):
     seed: int = 0
     parts: int = 2
     part: str = ""
+    stays: bool = field(default_factory=bool, metadata=LATER)
 
     def check(self, state: State, asked: Asked) -> None:
         check_scan(state.cell, self)
@@ -102,6 +120,10 @@ class SightPlate(Command):
         refuse(plate_problem(state.cell, self.arm, self.q, asked.joints))
         if len(state.observations) >= MOST_OBSERVATIONS:
             raise CommandRefused(ChangeRefusal.MOST_POSES_TAKEN(most=MOST_OBSERVATIONS))
+        for other in state.observations:
+            is_alike = other.is_used and other.arm == self.arm and other.q.shape == self.q.shape
+            if is_alike and np.abs(other.q - self.q).max() < SAME_POSE_WITHIN:
+                raise CommandRefused(ChangeRefusal.SAME_POSE(arm=self.arm, pose=other.name))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return sight_plate(state, entry, self)
@@ -151,11 +173,55 @@ def take_scan(
         "parts": command.parts,
         "part": command.part,
     }
+    pile = next_pile(state, command) if command.stays else None
+    if pile is not None and pile.lifted:
+        arguments["lifted"] = pile.lifted
     if state.cell.scanner.on_arm is not None:
         arguments["joints"] = standing_joints(state.cell, entry.joints)
     if state.earlier is not None:
         arguments["earlier"] = state.earlier
-    return begin_task(state, entry, "scan", arguments, StateText.SCANNING(), then=then)
+    return begin_task(state, entry, "scan", arguments, StateText.SCANNING(), then=then, pile=pile)
+
+
+def next_pile(state: State, command: TakeScan) -> SimulatedPile | None:
+    """The pile that a scan shows whose parts stay; None where no scanner is simulated.
+
+    Once all parts were taken, the same pile falls again.
+    """
+    if state.cell.scanner.source != "simulated":
+        return None
+    return left_pile(state, command) or _fresh_pile(state, command)
+
+
+def left_pile(state: State, command: TakeScan) -> SimulatedPile | None:
+    """What is left of the pile that a scan asks for; None where it falls anew."""
+    known, fresh = state.pile, _fresh_pile(state, command)
+    if known is None or known.name != fresh.name:
+        return None
+    left = replace(known, lifted=(*known.lifted, *_lifted_since(state)))
+    return left if left.left > 0 else None
+
+
+def _fresh_pile(state: State, command: TakeScan) -> SimulatedPile:
+    return SimulatedPile(command.seed, command.parts, command.part, state.cell.bin.name)
+
+
+def _lifted_since(state: State) -> tuple[pin.SE3, ...]:
+    """Where the parts lay that were taken since the last scan, `T_world_part`.
+
+    Those of which nobody has said anything are taken to be picked, except after a fault.
+    """
+    sent = sent_for(state)
+    has_moved = state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
+    if sent is None or not (has_moved or is_remembered(state)):
+        return ()
+    became = {outcome.detection: outcome.became for outcome in sent.outcomes}
+    usual = PickResult.PICKED if state.phase in (Phase.SENDING, Phase.DONE) else PickResult.FAILED
+    return tuple(
+        sent.plans[0].detections[number].T_world_part
+        for number in dict.fromkeys(number for number, _ in parts_sent_for(state))
+        if became.get(number, usual) is not PickResult.FAILED
+    )
 
 
 def with_scan(state: State, scan: Scan, at: float) -> State:

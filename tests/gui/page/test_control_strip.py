@@ -1,0 +1,58 @@
+"""The buttons that pass control on: a double click is one press."""
+
+import pytest
+
+import workbench.gui.page.control
+from workbench.app.core.control import AskForControl, TakeControl
+from workbench.app.core.people import Role
+from workbench.gui.page.control import DOUBLE_CLICK, ControlStrip
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """The time that the strip reads [s]; to be set."""
+    now = [100.0]
+    monkeypatch.setattr(workbench.gui.page.control.time, "monotonic", lambda: now[0])
+    return now
+
+
+@pytest.fixture
+def strip(visitor, bench, view_of, clock):
+    """Of Ada, who is in control, while Bob and Cem ask for it."""
+    bench.do(TakeControl(), "Ada", Role.ENGINEER)
+    for name in ("Bob", "Cem"):
+        bench.do(AskForControl(), name, Role.OPERATOR)
+    strip = ControlStrip(visitor)
+    strip.show(None, view_of(bench.state))
+    return strip
+
+
+def click(button):
+    for called in button._impl.update_cb:
+        called(None)
+
+
+def test_a_double_click_on_keep_answers_one_person(strip, visitor, bench, view_of, clock):
+    click(strip._keep)
+    before = bench.state
+    strip.show(None, view_of(before))
+    assert before.asking == ("Cem",)
+    clock[0] += DOUBLE_CLICK / 2
+    click(strip._keep)
+    assert bench.state is before, "the second click was not about Cem"
+    clock[0] += DOUBLE_CLICK
+    click(strip._keep)
+    assert bench.state.asking == () and bench.state.control == "Ada"
+
+
+def test_a_double_click_on_hand_over_and_take_over_is_not_refused(strip, visitor, bench, clock):
+    told = len(visitor.client.told)
+    click(strip._give)
+    click(strip._give)
+    assert bench.state.control == "Bob"
+    clock[0] += 1.0
+    click(strip._take)
+    number = bench.state.number
+    click(strip._take)
+    assert (bench.state.control, bench.state.number) == ("Ada", number)
+    assert len(visitor.client.told) == told
