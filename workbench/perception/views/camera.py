@@ -28,7 +28,7 @@ def picture_bounds(image: Floats) -> tuple[Floats, Floats]:
 
 
 def are_between(image: Floats, low: Floats, high: Floats) -> Bools:
-    """Which points (n, 2) of a picture lie between two of its corners (2,), these included."""
+    """Which points (n, 2) of a picture lie between two of its corners (2,); no unit."""
     x, y = image.T
     return (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
 
