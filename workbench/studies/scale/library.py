@@ -14,7 +14,7 @@ from workbench.perception.parts.part_surface import prepare
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.plugins.localizer import find_parts
-from workbench.studies.scale.growth import Costs, processor_seconds
+from workbench.studies.scale.growth import Costs, processor_seconds, seconds_and_megabytes
 
 SHAPES = ("bolt", "bracket", "keyed_cylinder", "puck", "spacer")
 """Shipped parts that are copied."""
@@ -39,7 +39,8 @@ def write_library(folder: Path, cell: str, count: int) -> Path:
     Returns:
         The path of the cell's file.
     """
-    names = [f"{SHAPES[k % len(SHAPES)]}_{k}" for k in range(count)]
+    # Of no other library, whose kinds may be prepared already.
+    names = [f"{SHAPES[k % len(SHAPES)]}_{k}_of_{count}" for k in range(count)]
     for k, name in enumerate(names):
         _write_kind(folder / name, SHAPES[k % len(SHAPES)], SMALLEST * LARGER_BY ** (k // 5))
     source = cell_path(cell)
@@ -67,12 +68,13 @@ def measure_library(path: Path) -> Costs:
     """Processor times [s] of a cell with many kinds, and what a prepared search takes."""
     read = processor_seconds(lambda: read_cell(path))
     cell = read_cell(path)
+    prepared, memory = seconds_and_megabytes(lambda: [prepare(part) for part in cell.parts])
     there = replace(cell, parts=cell.parts[:KINDS_THERE])
     scan = synthesize(there, drop_parts(there.parts, cell.bin, seed=SEED), seed=SEED)
     find_parts(scan, there, seed=SEED)
-    prepared = processor_seconds(lambda: [prepare(part) for part in cell.parts])
     return {
         "read the cell, s": read,
-        "prepare the kinds again, s": prepared,
+        "prepare the kinds once, s": prepared,
+        "prepare the kinds once, MB of memory": memory,
         "find 4 parts of 4 kinds, s": processor_seconds(lambda: find_parts(scan, cell, seed=SEED)),
     }
