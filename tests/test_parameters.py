@@ -10,7 +10,6 @@ MOST, MOST_POSITIONAL = RUFF["pylint"]["max-args"], RUFF["pylint"]["max-position
 
 STILL_LONG = {
     ("colours/telling.py", "_look"),
-    ("localization/assessment.py", "_is_roll_known"),
     ("localization/assessment.py", "_rested"),
     ("localization/choice.py", "take"),
     ("matching/poses.py", "distinct"),

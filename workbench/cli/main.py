@@ -101,6 +101,7 @@ HOW: Mapping[type, str] = {
     bench.BenchSoak: "measuring.soak:soak",
     bench.BenchPage: "measuring.page.load:page_load",
     bench.BenchStalls: "measuring.page.stalls:stalls",
+    bench.BenchScale: "measuring.scale.command:scale",
     bench.BenchShort: "measuring.short_benchmarks:short",
     studies.StudyLocalization: "measuring.studies:study_localization",
     studies.StudyScans: "measuring.scans:study_scans",

@@ -1,7 +1,10 @@
 """What is on record from older versions is read as it was written."""
 
+import dataclasses
+
 import numpy as np
 
+from workbench.app.records import forms
 from workbench.app.records.forms import restore_value
 from workbench.model.digest import canonical
 from workbench.model.geometry import Mesh, Shape
@@ -36,3 +39,21 @@ def test_a_mesh_on_record_from_before_it_had_pieces_is_one():
     again = restore_value(Shape, form, read=lambda digest: b"")
     assert isinstance(again, Mesh) and again.is_convex and again.pieces == ()
     assert canonical(again) == form
+
+
+def test_the_fields_of_a_kind_are_read_once_however_many_values_are_on_record(monkeypatch):
+    asked, fields = [], dataclasses.fields
+
+    def counted(kind):
+        asked.append(kind)
+        return fields(kind)
+
+    @dataclasses.dataclass(frozen=True)
+    class Weight:
+        mass: float
+        name: str = "bolt"
+
+    monkeypatch.setattr(forms.dataclasses, "fields", counted)
+    read = [restore_value(Weight, {"mass": mass}, read=lambda digest: b"") for mass in range(50)]
+    assert read == [Weight(mass) for mass in range(50)]
+    assert asked == [Weight]

@@ -53,6 +53,7 @@ NESTED = (
     ("bench", "pick"),
     ("bench", "soak"),
     ("bench", "page"),
+    ("bench", "scale"),
     ("bench", "short"),
     ("study", "threshold"),
     ("study", "localization"),

@@ -14,8 +14,10 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
+from workbench.cli.sessions.inspecting import summarize_session
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.shared.movable_frames import move_frame
+from workbench.journal import journal
 from workbench.model.geometry import pose_from_rpy
 
 
@@ -49,6 +51,18 @@ def test_a_session_is_listed(say, folder):
     (one,) = json.loads(said.out)["sessions"]
     assert (one["session"], one["cell"]) == (folder.name, "yumi")
     assert int(one["entries"]) > 12 and one["message"] == "the bin is moved"
+
+
+def test_the_row_of_a_long_session_reads_its_first_and_its_last_entry(folder, monkeypatch):
+    read, files_of = [], journal._files_of
+
+    def counted(connection, number):
+        read.append(number)
+        return files_of(connection, number)
+
+    monkeypatch.setattr(journal, "_files_of", counted)
+    row = summarize_session(folder)
+    assert read == [1, int(row[2])] and int(row[2]) > 12 and row[4] == "the bin is moved"
 
 
 def test_a_session_tells_who_did_what(say, folder):

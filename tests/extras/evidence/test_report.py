@@ -9,12 +9,15 @@ from pathlib import Path
 
 import pytest
 
+from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import cell_of
+from workbench.extras.evidence.bundle import moments_of
 from workbench.extras.evidence.pages import COLUMNS, _lines, html_page, pdf_pages
 from workbench.extras.evidence.report import ReportTable, tables_of
 from workbench.extras.evidence.signing import time_stamp_request
 from workbench.journal.journal import Journal
+from workbench.model.scan import Scan
 
 ROOT = Path(__file__).resolve().parents[3]
 TAGS = set(re.findall(r"\w+", "html head meta title style body h1 h2 p table tr th td"))
@@ -110,3 +113,16 @@ def test_a_time_stamp_request_is_one_to_openssl_too(tmp_path):
     assert "Hash Algorithm: sha256" in said
     assert "Certificate required: yes" in said
     assert "ed 70 02 b4 39 e9 ac 84-5f 22 35 7d 82 2b ac 14" in said
+
+
+def test_the_report_needs_no_points_of_scans_which_would_fill_the_memory(tmp_path):
+    shutil.copytree(ROOT / "sessions" / "example", tmp_path / "example")
+    with closing(Journal(tmp_path / "example")) as journal:
+        whole = list(replay(journal, cell_of(journal)))
+        kept, broke = moments_of(journal, journal.count)
+    assert broke == "" and len(kept) == len(whole)
+    assert tables_of({}, kept) == tables_of({}, whole)
+    results = [entry.command.result for entry, _ in kept if isinstance(entry.command, JobEnded)]
+    scans = [result for result in results if isinstance(result, Scan)]
+    assert scans and all(len(scan.points) == 1 for scan in scans)
+    assert all(state.scan is None for _, state in kept)

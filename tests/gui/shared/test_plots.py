@@ -12,10 +12,12 @@ from hypothesis import strategies as st
 from workbench.gui.plan.curves import plots_of
 from workbench.gui.shared.playback import timeline
 from workbench.gui.shared.plots import (
+    MOST_COLUMNS,
     MOST_TICKS,
     Curve,
     Plot,
     cursor_style,
+    drawn_samples,
     legend_html,
     plot_html,
     ticks,
@@ -69,6 +71,27 @@ def test_a_gap_is_a_gap_and_a_bound_holds_from_its_waypoint_on():
     assert path.count("M") == 2 and path.count("L") == 1
     for time, said in ((0.0, "1.0"), (1.9, "2.0"), (2.5, "-"), (9.0, "4.0")):
         assert f"<b>{said}</b>" in legend_html(plot, time)
+
+
+def test_a_curve_of_a_long_session_is_drawn_by_its_extremes():
+    cycles = 40_000
+    values = np.sin(np.arange(cycles) / 900.0)
+    values[[123, 30_001]] = 9.0, -9.0
+    values[20_000:20_400] = np.nan
+    drawn = drawn_samples(values)
+    assert len(drawn) <= 2 * MOST_COLUMNS and {123, 30_001} <= set(drawn.tolist())
+    numbers = np.arange(1.0, cycles + 1)
+    long, short = (
+        plot_html(Plot("t", "s", numbers[:k], (Curve("a", "#000", values[:k]),)), float(k))
+        for k in (cycles, 2 * MOST_COLUMNS)
+    )
+    assert len(long) < 1.2 * len(short)
+    path = re.search(r'd="([^"]*)"', long)[1]
+    assert path.count("M") == 2 and 'd="M' in long
+
+
+def test_of_a_short_curve_every_sample_is_drawn():
+    assert drawn_samples(np.full(2 * MOST_COLUMNS, np.nan)).tolist() == [*range(2 * MOST_COLUMNS)]
 
 
 def test_what_is_written_in_a_plot_is_text():

@@ -8,9 +8,10 @@ import pytest
 
 from workbench.formats.parts.reading import read_part
 from workbench.model.scan import Objection
-from workbench.perception.localization import kinds
+from workbench.perception.localization import judging, kinds
 from workbench.perception.localization.choice import Choice, Hypothesis
-from workbench.perception.localization.kinds import compete, look_closely
+from workbench.perception.localization.judging import judge_choices
+from workbench.perception.localization.kinds import KindHypotheses, compete, look_closely
 from workbench.perception.localization.localize import begin_search, proposals
 from workbench.perception.scene.scene_model import scene_model
 from workbench.perception.simulation.piles import drop_parts
@@ -87,3 +88,37 @@ def test_hypotheses_of_a_single_kind_are_all_its_own(proposed):
     compete([one], found[1:], closely)
     poses = len(one.choice.chosen) + len(one.choice.rejected)
     assert poses == len(found[1]) and isinstance(found[1][0], Hypothesis)
+
+
+def test_of_many_kinds_only_the_kind_that_was_tried_is_weighed_again(proposed, monkeypatch):
+    weighed, best_gain = [], KindHypotheses.best_gain
+
+    def counted(kind):
+        weighed.append(kind)
+        return best_gain.fget(kind)
+
+    monkeypatch.setattr(KindHypotheses, "best_gain", property(counted))
+    sought, found = proposed
+    many = afresh(sought * 5)
+    compete(many, found * 5, closely)
+    assert len(weighed) == 5 * sum(map(len, found))
+    assert sum(len(search.choice.chosen) for search in many) > 0
+
+
+def test_kinds_that_are_not_there_change_nothing_of_what_is_judged(proposed, monkeypatch):
+    looks, look = [], judging.look
+
+    def counted(*asked):
+        looks.append(asked)
+        return look(*asked)
+
+    monkeypatch.setattr(judging, "look", counted)
+    sought, found = proposed
+    there = afresh(sought)
+    compete(there, found, closely)
+    judged = judge_choices(there)
+    asked = len(looks)
+    among_others = judge_choices([*there, *afresh(sought * 5)])
+    assert 0 < len(looks) == 2 * asked
+    assert [one.ratios for one in among_others[: len(there)]] == [one.ratios for one in judged]
+    assert not any(one.ratios for one in among_others[len(there) :])

@@ -6,6 +6,7 @@ import numpy as np
 
 from workbench.app.runtime.work import find_parts
 from workbench.formats.parts.reading import read_part
+from workbench.model import scan as model_scan
 from workbench.model.scan import ALL_KINDS
 from workbench.perception.localization.judging import PartSearch
 from workbench.perception.localization.localize import begin_search
@@ -75,6 +76,22 @@ def test_parts_are_found_in_a_scan_of_which_a_thirtieth_is_left(cell, scan, pile
     found, are_found = compare(cell.parts, pile, result.detections)
     assert all(are_found)
     assert all(detection.is_right for detection in found)
+
+
+def test_a_sparse_scan_is_filled_in_once_for_all_kinds(cell, scan, monkeypatch):
+    digests, digest_of = [], model_scan.digest_of
+
+    def counted(value, **how):
+        digests.append(value)
+        return digest_of(value, **how)
+
+    kinds = tuple(read_part(name) for name in ("bracket", "bolt", "puck"))
+    sparse, whole = thinned(scan, 10_000), replace(cell, parts=kinds)
+    monkeypatch.setattr(model_scan, "digest_of", counted)
+    scene = scene_model(sparse, whole, smallest=prepare(kinds[1]).diameter)
+    searches = [begin_search(sparse, part, whole, detail=1.0, scene=scene) for part in kinds]
+    assert all(isinstance(search, PartSearch) and search.filled > 2.0 for search in searches)
+    assert digests == [scene.scan]
 
 
 def test_right_brackets_end_where_few_points_have_them_end(cell):

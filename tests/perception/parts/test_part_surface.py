@@ -1,6 +1,7 @@
 """What the localizer prepares of a part: few references where it is symmetric, few triangles."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import open3d as o3d
@@ -16,6 +17,7 @@ from workbench.model.geometry import Mesh, Solid, pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry, SymmetryAxis
 from workbench.perception.matching.poses import distinct
+from workbench.perception.parts import part_surface
 from workbench.perception.parts.part_surface import (
     DRAWN_OFF,
     ROUGH_OFF,
@@ -150,3 +152,13 @@ def test_faces_of_a_grown_part_lie_further_outside(by):
     part = read_part("puck")
     sizes = np.ptp(grown(part, by).mesh.points, axis=0) - np.ptp(part.mesh.points, axis=0)
     np.testing.assert_allclose(sizes, 2 * by, atol=2e-5)
+
+
+def test_a_library_of_two_hundred_kinds_is_prepared_once(monkeypatch):
+    prepared = []
+    monkeypatch.setattr(part_surface, "_kept", {})
+    monkeypatch.setattr(part_surface, "_prepare", lambda part: prepared.append(part) or part)
+    kinds = [SimpleNamespace(digest=str(k)) for k in range(200)]
+    for _ in range(3):
+        assert [prepare(kind) for kind in kinds] == kinds
+    assert prepared == kinds

@@ -56,6 +56,9 @@ def restore_value(kind: Any, form: Any, read: ReadFile) -> Any:
         KeyError, TypeError, ValueError: the form is not that of such a value.
         WorkbenchError: the value itself refuses its content, or a file is not to be had.
     """
+    if isinstance(kind, type) and kind in PLAIN:
+        # A whole number in a float's place stays one: otherwise the digest would differ.
+        return form
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if kind is Message:
         return message_of(form)
@@ -65,19 +68,17 @@ def restore_value(kind: Any, form: Any, read: ReadFile) -> Any:
         return _restored_array(form, read)
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
         recorded, form = form, _newer(form) if kind is Controller else form
-        # A field that was renamed since is on record by its first name: `digest.called`.
-        now = {field.metadata.get("called"): field.name for field in dataclasses.fields(kind)}
-        form = {now.get(name, name): value for name, value in form.items()}
-        names = {field.name for field in dataclasses.fields(kind) if field.init}
-        made = {field.name for field in dataclasses.fields(kind) if not field.init}
+        fields = _fields_of(kind)
+        if fields.renamed:
+            form = {fields.renamed.get(name, name): value for name, value in form.items()}
         # A field that has come since has its default.
-        wanted = {field.name for field in dataclasses.fields(kind) if _is_needed(field)}
-        if not wanted <= set(form) - made <= names:
-            raise ValueError(f"fields {sorted(form)} where {sorted(names)} were expected")
-        hints = _hints(kind)
-        known = names & set(form)
-        value = kind(**{name: restore_value(hints[name], form[name], read) for name in known})
-        if "digest" in made and _has_grown(kind, known):
+        if not fields.needed <= set(form) - fields.made <= fields.names:
+            raise ValueError(f"fields {sorted(form)} where {sorted(fields.names)} were expected")
+        known = fields.names & set(form)
+        value = kind(
+            **{name: restore_value(fields.hints[name], form[name], read) for name in known}
+        )
+        if "digest" in fields.made and not fields.digested <= known:
             # What an older version wrote keeps the digest under which it is on record.
             object.__setattr__(value, "digest", digest_of(recorded))
         return value
@@ -108,8 +109,7 @@ def restore_value(kind: Any, form: Any, read: ReadFile) -> Any:
         )
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return {key: restore_value(arguments[1], item, read) for key, item in form.items()}
-    if kind in PLAIN or origin is typing.Literal:
-        # A whole number in a float's place stays one: otherwise the digest would differ.
+    if origin is typing.Literal:
         return form
     raise TypeError(f"no way back from canonical form to {kind}")
 
@@ -139,17 +139,35 @@ def _is_needed(field: "dataclasses.Field[Any]") -> bool:
     return field.init and not has_default
 
 
-def _has_grown(kind: type, known: set[str]) -> bool:
-    """Whether a field has come that enters digests even at its default, and is not in a form."""
-    return any(
-        field.init and field.name not in known and not field.metadata.get("later")
-        for field in dataclasses.fields(kind)
-    )
+@dataclasses.dataclass(frozen=True, slots=True)
+class _Fields:
+    """The fields of a dataclass, as a form is read by them: a long session has very many forms.
+
+    `hints` are their types; `names` are given, `needed` have no default, and `made` the value
+    makes itself.  `digested` enter its digest even at their defaults.  `renamed`: first name, by
+    which a field is on record (`digest.called`) -> name.
+    """
+
+    hints: Mapping[str, Any]
+    names: frozenset[str]
+    needed: frozenset[str]
+    made: frozenset[str]
+    digested: frozenset[str]
+    renamed: Mapping[str, str]
 
 
 @functools.cache
-def _hints(kind: type) -> Mapping[str, Any]:
-    return typing.get_type_hints(kind)
+def _fields_of(kind: type[Any]) -> _Fields:
+    fields = dataclasses.fields(kind)
+    given = [field for field in fields if field.init]
+    return _Fields(
+        typing.get_type_hints(kind),
+        frozenset(field.name for field in given),
+        frozenset(field.name for field in given if _is_needed(field)),
+        frozenset(field.name for field in fields if not field.init),
+        frozenset(field.name for field in given if not field.metadata.get("later")),
+        {field.metadata["called"]: field.name for field in fields if "called" in field.metadata},
+    )
 
 
 def _restored_array(form: Any, read: ReadFile) -> np.ndarray[Any, Any]:

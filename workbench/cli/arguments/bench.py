@@ -165,6 +165,32 @@ class BenchStalls:
 
 
 @dataclass(frozen=True, slots=True)
+class BenchScale:
+    """Measure how costs grow with the library, the bin, the session and the browsers.
+
+    An exponent of 1 between two sizes is linear growth.  Times of browsers are on the clock, all
+    others processor time.
+    """
+
+    of: tuple[Literal["library", "bin", "session", "browsers"], ...] = (
+        "library",
+        "bin",
+        "session",
+        "browsers",
+    )
+    """What grows."""
+    kinds: tuple[int, ...] = (10, 50, 200)
+    """Kinds of parts that the cell knows; four parts lie in the bin."""
+    parts: tuple[int, ...] = (15, 30, 60)
+    """Parts in the bin."""
+    entries: tuple[int, ...] = (1_000, 10_000, 100_000)
+    """Entries of the session's journal."""
+    browsers: tuple[int, ...] = (1, 5, 20)
+    """Browsers that come to a page which one browser has led to a plan."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class BenchShort:
     """Run the short form of every benchmark and set it beside the figures of last time.
 
@@ -190,5 +216,6 @@ class BenchCommands:
         | Annotated[BenchSoak, subcommand("soak")]
         | Annotated[BenchPage, subcommand("page")]
         | Annotated[BenchStalls, subcommand("stalls")]
+        | Annotated[BenchScale, subcommand("scale")]
         | Annotated[BenchShort, subcommand("short")]
     )

@@ -27,7 +27,7 @@ def list_sessions(typed: SessionList) -> int:
     if is_folder(typed.sessions):
         for folder in sorted(typed.sessions.iterdir()):
             if (folder / DATABASE).exists():
-                rows.append(_summary(folder))
+                rows.append(summarize_session(folder))
     if typed.json:
         keys = ("session", "cell", "entries", "ended", "message")
         print_json({"sessions": [dict(zip(keys, row, strict=True)) for row in rows]})
@@ -37,15 +37,16 @@ def list_sessions(typed: SessionList) -> int:
     return SUCCESS
 
 
-def _summary(folder: Path) -> tuple[str, ...]:
+def summarize_session(folder: Path) -> tuple[str, ...]:
+    """The row of a session in the list: its first and its last entry say it, however long it is."""
     try:
         journal = Journal(folder)
     except JournalError as error:
         return (folder.name, "", "", "", str(error))
     try:
-        entries = list(journal.entries())
-        first: Any = json.loads(entries[0].body) if entries else {}
-        last: Any = json.loads(entries[-1].body).get("after", {}) if len(entries) > 1 else {}
+        begins, ends = next(journal.entries(), None), journal.last()
+        first: Any = {} if begins is None else json.loads(begins.body)
+        last: Any = {} if ends is None else json.loads(ends.body).get("after", {})
         count = str(journal.count)
         return (
             folder.name,

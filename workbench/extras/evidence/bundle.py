@@ -7,11 +7,17 @@ import json
 import re
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from workbench import __version__
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.scanning import UseScan
+from workbench.app.core.state import State
 from workbench.app.records.certificates import certificates
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import cell_of
@@ -25,6 +31,7 @@ from workbench.journal import anchors
 from workbench.journal.files import file_path
 from workbench.journal.journal import DATABASE, Journal
 from workbench.model.errors import JournalError
+from workbench.model.scan import Scan
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
@@ -44,6 +51,11 @@ verify.py   tells whether anything was changed; it needs Python 3.11 or later, a
 Take the public key from whoever signs, not from here, and verify.py from where you trust it.
 Pass the zip file on as it is: unpacked and packed again, it is no longer what was signed.
 """
+
+NO_POINTS: Mapping[str, Any] = {
+    "points": np.zeros((1, 3)), "pixels": None, "colours": None, "views": ()
+}  # fmt: skip
+"""Of a scan whose points nobody reads any more."""
 
 STANDARD = re.compile(r"^(?:from (?!workbench)(\S+) )?import (.*)\n", re.MULTILINE)
 """A line that imports from Python's own."""
@@ -90,7 +102,7 @@ def write_bundle(
             name = f"{verify.FILES}/{digest[:2]}/{digest}"
             content[name] = file_path(journal.folder / "files", digest)
         content |= derived
-        moments, broke = _moments(journal, len(entries))
+        moments, broke = moments_of(journal, len(entries))
         rows = itertools.islice(journal.entries(), len(moments) + 1)
         for certificate in certificates(rows, journal.read):
             content[f"certificates/{certificate.number}-{certificate.digest[:12]}.json"] = (
@@ -141,15 +153,29 @@ def verify_script() -> bytes:
     return "\n".join((f'{head}"""', "", *lines, "", "", rest)).encode()
 
 
-def _moments(journal: Journal, count: int) -> tuple[list[Moment], str]:
-    """All moments up to the entry `count`, and why they end before it; empty if they do not."""
+def moments_of(journal: Journal, count: int) -> tuple[list[Moment], str]:
+    """All moments up to the entry `count`, and why they end before it; empty if they do not.
+
+    Their scans have no points.
+    """
     moments: list[Moment] = []
     try:
         for moment in itertools.islice(replay(journal, cell_of(journal)), count - 1):
-            moments.append(moment)
+            moments.append(_without_points(*moment))
     except JournalError as error:
         return moments, str(error)
     return moments, ""
+
+
+def _without_points(entry: Entry, state: State) -> Moment:
+    """The moment without its scans' points: no report shows them, and they fill the memory."""
+    command = entry.command
+    if isinstance(command, JobEnded) and isinstance(command.result, Scan):
+        result = replace(command.result, **NO_POINTS)
+        entry = replace(entry, command=replace(command, result=result))
+    elif isinstance(command, UseScan):
+        entry = replace(entry, command=replace(command, scan=replace(command.scan, **NO_POINTS)))
+    return entry, state if state.scan is None else replace(state, scan=None)
 
 
 def _check_session(journal: Journal, entries: list[verify.JournalEntry]) -> None:

@@ -8,6 +8,7 @@ style sheet.
 import math
 from dataclasses import dataclass
 from html import escape
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,6 +21,9 @@ MOST_TICKS = 5
 
 MOST_ALONG = 90.0
 """[%] Numbers along the axis are centred up to here; farther on they would leave the plot."""
+
+MOST_COLUMNS = 500
+"""Of a drawn curve: of each column of its samples the lowest and the highest are drawn."""
 
 COUNTED = ("cycle",)
 """Axes along which things are counted."""
@@ -139,6 +143,8 @@ def _line(
     (low, high), (begin, end) = bounds, along
     x = PLOT_WIDTH * (times - begin) / max(end - begin, 1e-9)
     y = PLOT_HEIGHT * (high - curve.values) / (high - low)
+    drawn = drawn_samples(y)
+    x, y = x[drawn], y[drawn]
     pieces: list[str] = []
     is_down = False
     for across, down in zip(x.tolist(), y.tolist(), strict=True):
@@ -148,6 +154,29 @@ def _line(
         pieces.append(f"{'L' if is_down else 'M'}{across:.1f} {down:.1f}")
         is_down = True
     return f'<path d="{"".join(pieces)}" stroke="{curve.colour}"/>'
+
+
+def drawn_samples(values: Floats) -> np.ndarray:
+    """Which samples of a curve are drawn, so that a long session's curve is as quick as a short's.
+
+    Args:
+        values: (k,) in any unit; NaN where the curve has none.
+
+    Returns:
+        (n,) indices, ascending: all of a short curve; of a long one the lowest and the highest
+        sample of each of `MOST_COLUMNS` columns, the first where a column has no value.
+    """
+    if len(values) <= 2 * MOST_COLUMNS:
+        return np.arange(len(values))
+    ends = np.linspace(0, len(values), MOST_COLUMNS + 1).astype(np.int64)
+    chosen: set[int] = set()
+    for begin, end in pairwise(ends.tolist()):
+        column = values[begin:end]
+        if np.isnan(column).all():
+            chosen.add(begin)
+        else:
+            chosen |= {begin + int(np.nanargmin(column)), begin + int(np.nanargmax(column))}
+    return np.array(sorted(chosen))
 
 
 def _along(begin: float, end: float, unit: str) -> str:

@@ -73,7 +73,7 @@ class StatisticsPanel:
         self._tables.content = whole + statistics_html(counted, self._visitor.words)
         self._save.disabled = not counted.picks
         timed = [cycle for cycle in counted.cycles if "send" in cycle.seconds]
-        self._cycles.content = _stages(timed) if len(timed) > 1 else ""
+        self._cycles.content = stage_curves(timed) if len(timed) > 1 else ""
 
     def _download(self) -> None:
         if self._shown is not None:
@@ -81,7 +81,7 @@ class StatisticsPanel:
             self._visitor.client.send_file_download(STATISTICS_FILE, content)
 
 
-def _stages(cycles: Sequence[CycleRecord]) -> str:
+def stage_curves(cycles: Sequence[CycleRecord]) -> str:
     """How long the stages took, cycle after cycle."""
     curves = tuple(
         Curve(stage, JOINTS[k], np.array([cycle.seconds.get(stage, np.nan) for cycle in cycles]))

@@ -139,7 +139,7 @@ def judge_choices(brought: Sequence[PartSearch]) -> list[JudgedChoice]:
 
 
 def _outdone(
-    brought: Sequence[PartSearch], areas: Mapping[tuple[int, int], list[np.ndarray]]
+    brought: Sequence[PartSearch], areas: Mapping[tuple[int, int], Mapping[int, np.ndarray]]
 ) -> list[tuple[int, int]]:
     """Parts in whose place one of another kind stands for which more speaks, by kind and number.
 
@@ -188,7 +188,7 @@ def _ratio(search: PartSearch, i: int, others: Bools) -> float:
 
 def _covered(
     brought: Sequence[PartSearch],
-    areas: Mapping[tuple[int, int], list[np.ndarray]],
+    areas: Mapping[tuple[int, int], Mapping[int, np.ndarray]],
     k: int,
     but: Collection[tuple[int, int]],
 ) -> Bools:
@@ -236,17 +236,23 @@ def taken_by_others(brought: Sequence[PartSearch]) -> list[Bools]:
     return taken
 
 
-def _areas(brought: Sequence[PartSearch]) -> dict[tuple[int, int], list[np.ndarray]]:
-    """For each part chosen, by kind and number, the pixels it explains in the maps of each kind."""
+def _areas(brought: Sequence[PartSearch]) -> dict[tuple[int, int], dict[int, np.ndarray]]:
+    """For each part chosen, by kind and number, the pixels it explains in the maps of each kind.
+
+    Kinds of which nothing was chosen are left out: most of a library.
+    """
+    chosen_kinds = [k for k, search in enumerate(brought) if search.choice.chosen]
     return {
-        (k, i): [
-            chosen.sighting.explained
+        (k, i): {
+            j: chosen.sighting.explained
             if j == k
-            else look(other.depth_map, search.surface, chosen.pose, search.tolerance).explained
-            for j, other in enumerate(brought)
-        ]
-        for k, search in enumerate(brought)
-        for i, chosen in enumerate(search.choice.chosen)
+            else look(
+                brought[j].depth_map, brought[k].surface, chosen.pose, brought[k].tolerance
+            ).explained
+            for j in chosen_kinds
+        }
+        for k in chosen_kinds
+        for i, chosen in enumerate(brought[k].choice.chosen)
     }
 
 

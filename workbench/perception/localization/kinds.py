@@ -9,6 +9,7 @@ What two kinds are thought to explain in the end is one of them.
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from heapq import heapify, heappop, heappush
 from itertools import count
 
 import numpy as np
@@ -72,10 +73,21 @@ class KindHypotheses:
     gains: Floats
     largest: Floats
 
+    @property
+    def best_gain(self) -> float:
+        """The gain [m^2] of the best hypothesis that is left."""
+        return float(self.gains.max())
+
     def weigh(self) -> None:
         """The gains anew, when something was taken."""
         claimed, area = self.search.choice.claimed, self.search.depth_map.pitch**2
         self.gains = np.array([area * gain(each.sighting, claimed) for each in self.left])
+
+    def pop_best(self) -> Hypothesis:
+        """The hypothesis that gains most, which is left no more."""
+        best = int(self.gains.argmax())
+        self.gains = np.delete(self.gains, best)
+        return self.left.pop(best)
 
 
 ResolveByColour = Callable[[Scan, Sequence[PartSearch]], list[PartSearch]]
@@ -227,18 +239,20 @@ def compete(
     ]
     for entry in entries:
         entry.weigh()
-    while entries := [entry for entry in entries if entry.left]:
-        entry = max(entries, key=lambda each: float(each.gains.max()))
-        best = int(entry.gains.argmax())
-        hypothesis = entry.left.pop(best)
-        entry.gains = np.delete(entry.gains, best)
-        taken = _try_to_take(entry, hypothesis, closely)
-        if taken is None:
-            continue
-        entry.weigh()
-        for other in entries:
-            if other is not entry:
-                _cover(other, entry.search, taken)
+    # Of many kinds only the one that was tried has another best hypothesis than before.
+    queue = [(-entry.best_gain, k) for k, entry in enumerate(entries)]
+    heapify(queue)
+    while queue:
+        _, k = heappop(queue)
+        entry = entries[k]
+        taken = _try_to_take(entry, entry.pop_best(), closely)
+        if taken is not None:
+            entry.weigh()
+            for other in entries:
+                if other is not entry and other.left:
+                    _cover(other, entry.search, taken)
+        if entry.left:
+            heappush(queue, (-entry.best_gain, k))
 
 
 def _try_to_take(

@@ -133,7 +133,7 @@ def begin_search(
     surface = prepare(part)
     pitch = surface.diameter / (PIXELS_ACROSS * detail)
     bin = scene.place
-    depth_map = make_map(_dense(scan, scene), bin, scene.bin, size=surface.diameter, pitch=pitch)
+    depth_map = make_map(scene.scan, bin, scene.bin, size=surface.diameter, pitch=pitch)
     if depth_map is None:
         return surface
     if scene.filled > 1.0:
@@ -159,13 +159,6 @@ def begin_search(
         part, surface, depth_map, coarse_map, tolerance, spread, are_inside, choice,
         filled=scene.filled, heights=heights if scene.bin.is_floor_seen else None,
     )  # fmt: skip
-
-
-def _dense(scan: Scan, scene: SceneModel) -> Scan:
-    """The scan with the points that were filled in."""
-    if scene.filled == 1.0:
-        return scan
-    return Scan(scene.points, scan.T_world_scanner, scan.source)
 
 
 def proposals(

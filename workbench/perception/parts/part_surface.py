@@ -50,8 +50,8 @@ FITTING, ROUGHLY_FITTING = 0.95, 0.9
 BALL_SHARE = 0.02
 """A surface whose distance from its middle varies by less, over the diameter, is a ball's."""
 
-MOST_KEPT = 100
-"""Prepared parts remembered at a time, some megabytes each: each search for the kinds of a larger
+MOST_KEPT = 400
+"""Prepared parts remembered at a time, about a megabyte each: each search for the kinds of a larger
 library prepares them all again."""
 
 

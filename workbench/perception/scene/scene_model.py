@@ -32,15 +32,20 @@ class SceneModel:
     """The bin as the scan shows it, and how good the scan is.
 
     `place` is the cell's bin, moved to where its rim is seen if that is elsewhere, and `bin` its
-    surfaces there.  `points` (n, 3) [m] are those of the scan, a sparse one filled in; `filled` is
-    how many there are for each one that was measured, at least 1.
+    surfaces there.  `scan` is the scan that is searched, a sparse one filled in; `filled` is how
+    many points it has for each one that was measured, at least 1.
     """
 
     place: Bin
     bin: SeenBin
     sensor: SensorModel
-    points: Floats
+    scan: Scan
     filled: float = 1.0
+
+    @property
+    def points(self) -> Floats:
+        """The points (n, 3) [m] that are searched, in the scanner's frame."""
+        return self.scan.points
 
 
 def scene_model(scan: Scan, cell: Cell, *, smallest: float = 0.0) -> SceneModel:
@@ -69,7 +74,10 @@ def scene_model(scan: Scan, cell: Cell, *, smallest: float = 0.0) -> SceneModel:
             seen = fit_bin(dense, T_bin_rim.actInv(T_bin_scanner), bin, noise=deviation)
             T_bin_rim = pin.SE3.Identity()
         seen = _by_rim(seen, T_bin_rim, bin)
-    return SceneModel(bin, seen, sensor, dense, filled)
+    if filled > 1.0:
+        # Made here, as each kind of part is searched for in it.
+        scan = Scan(dense, scan.T_world_scanner, scan.source)
+    return SceneModel(bin, seen, sensor, scan, filled)
 
 
 def _is_far(T_bin_rim: pin.SE3) -> bool:

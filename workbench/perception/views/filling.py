@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
-from workbench.perception.views.camera import picture_bounds
+from workbench.perception.views.camera import are_between, picture_bounds
 
 FILLED_SPACINGS = 1.2
 """Spacings of the points up to which a pixel is filled from its nearest point."""
@@ -64,7 +64,7 @@ def spacing_of(points: Floats) -> tuple[float, Floats, Floats]:
     """
     image = points[:, :2] / points[:, 2:]
     low, high = picture_bounds(image)
-    image = image[((image >= low) & (image <= high)).all(axis=1)]
+    image = image[are_between(image, low, high)]
     side = float(np.sqrt(np.prod(high - low) * POINTS_A_SQUARE / len(image)))
     if not side > 0.0:
         return 0.0, low, high

@@ -69,13 +69,13 @@ async def load(url: str, name: str, password: str, browsers: int, seconds: float
 
 async def _load(url: str, name: str, password: str, browsers: int, seconds: float) -> Load:
     async with AsyncExitStack() as stack:
-        first = await _enter(stack, url, name, password)
+        first = await enter(stack, url, name, password)
         try:
             async with asyncio.timeout(PREPARE_SECONDS):
-                await _plan(first)
+                await make_plan(first)
         except (TimeoutError, ConnectionError) as error:
             raise LinkError(f"{url}: the page did not come to a plan: {error}") from error
-        others = [await _enter(stack, url, name, password) for _ in range(browsers - 1)]
+        others = [await enter(stack, url, name, password) for _ in range(browsers - 1)]
         everybody = [first, *others]
         before = [(browser.frames, browser.bytes) for browser in everybody]
         began = time.monotonic()
@@ -94,7 +94,7 @@ async def _load(url: str, name: str, password: str, browsers: int, seconds: floa
     return Load(took, tuple(n for n, _ in counts), tuple(n for _, n in counts), tuple(pressed))
 
 
-async def _enter(stack: AsyncExitStack, url: str, name: str, password: str) -> RawBrowser:
+async def enter(stack: AsyncExitStack, url: str, name: str, password: str) -> RawBrowser:
     """One more browser at the page."""
     browser = await stack.enter_async_context(raw_browser(url))
     if await browser.log_in(name, password) != 303:
@@ -103,7 +103,7 @@ async def _enter(stack: AsyncExitStack, url: str, name: str, password: str) -> R
     return browser
 
 
-async def _plan(browser: RawBrowser) -> None:
+async def make_plan(browser: RawBrowser) -> None:
     """Press one button after the other, as soon as it can be pressed."""
     # Widgets are made before they are told that they cannot be used yet.
     for label in (*BUTTONS_TO_A_PLAN[1:], TIME):

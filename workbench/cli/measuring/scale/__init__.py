@@ -1,0 +1,4 @@
+"""Growth with the library, the bin, the session and the browsers.
+
+Imports `arguments`, `page`, `serving`, `sessions`.
+"""
