@@ -74,7 +74,7 @@ REPEATED, OPTIONAL = 3, 1
 
 @dataclass(frozen=True, slots=True)
 class ModuleOrder:
-    """What the module of an arm in RAPID is told beside the joints, again with each reference.
+    """The order to the module of an arm in RAPID, repeated with the joints of each reference.
 
     `ticket` names the approval, `number` counts orders, and `command` is one of `NONE`, `BEGIN`,
     `GRIP` and `END`.  `opening` [mm] of the fingers, 1 for `holding`; `leg` that runs, 0 between
