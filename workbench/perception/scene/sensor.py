@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
-from workbench.perception.views.camera import picture_bounds
+from workbench.perception.views.camera import are_within, picture_bounds, picture_of
 
 NARROW_WINDOWS, WIDE_WINDOWS = (40, 160), (16, 1000)
 """Windows along the longer side of the image, and about how many points are taken in each."""
@@ -64,24 +64,30 @@ def sensor_model(points: Floats) -> SensorModel:
     """
     before = points[:: max(1, len(points) // MOST_POINTS)]
     before = before[before[:, 2] > 0]
-    narrow = _noise(before, NARROW_WINDOWS, np.inf)
+    if len(before) < FEWEST_WINDOWS * FEWEST_POINTS:
+        return SensorModel(None)
+    image = picture_of(before)
+    low, high = picture_bounds(image)
+    shown = before[are_within(image, low, high)]
+    side = float((high - low).max())
+    narrow = _noise(shown, low, side, NARROW_WINDOWS, np.inf)
     if narrow is None:
         return SensorModel(None)
-    wide = _noise(before, WIDE_WINDOWS, STRAY * narrow)
+    wide = _noise(shown, low, side, WIDE_WINDOWS, STRAY * narrow)
     noise = narrow if wide is None or wide > TIMES * narrow else max(wide, narrow)
     # Rounded, so that it is the same on any machine.
     return SensorModel(min(round(noise, 6), COARSEST))
 
 
-def _noise(points: Floats, windows: tuple[int, int], stray: float) -> float | None:
-    """Noise [m] at 1 m by windows of one size, None where too few are smooth."""
+def _noise(
+    points: Floats, low: Floats, side: float, windows: tuple[int, int], stray: float
+) -> float | None:
+    """Noise [m] at 1 m by windows of one size, None where too few are smooth.
+
+    `low` (2,) and `side` are corner and width of the picture that holds the points (n, 3) [m].
+    """
     count, wanted = windows
-    if len(points) < FEWEST_WINDOWS * FEWEST_POINTS:
-        return None
-    image = points[:, :2] / points[:, 2:]
-    low, high = picture_bounds(image)
-    points = points[((image >= low) & (image <= high)).all(axis=1)]
-    step = float((high - low).max()) / count
+    step = side / count
     if not step > 0:
         return None
     fits = np.zeros((count + 1, count + 1, 7))
