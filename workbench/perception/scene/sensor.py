@@ -112,30 +112,30 @@ def _fit(
         (rows, columns, 2): how many points, and the sum of squares that is left over.
     """
     rows, columns = fits.shape[:2]
-    held = np.zeros((rows, columns))
-    for p in points:
-        held[int((p[1] / p[2] - low[1]) / step), int((p[0] / p[2] - low[0]) / step)] += 1.0
+    places, halves = np.empty((len(points), 2)), np.zeros((rows, columns))
+    _divide(points, low, step, wanted, places, halves)
     normal, pulls = np.zeros((rows, columns, 6, 6)), np.zeros((rows, columns, 6))
     left = np.zeros((rows, columns, 2))
     middle = np.zeros((rows, columns))
     row = np.empty(6)
-    for p in points:
-        a, b = (p[0] / p[2] - low[0]) / step, (p[1] / p[2] - low[1]) / step
+    for n in range(len(points)):
+        a, b = places[n, 0], places[n, 1]
         i, j = int(a), int(b)
-        half = 0.5 * min(1.0, np.sqrt(wanted / held[j, i]))
+        half = halves[j, i]
         x, y = (a - i - 0.5) / half, (b - j - 0.5) / half
         if abs(x) > 1.0 or abs(y) > 1.0:
             continue
+        nearness = 1.0 / points[n, 2]
         row[0], row[1], row[2], row[3], row[4], row[5] = 1.0, x, y, x * x, x * y, y * y
         if stray < np.inf:
-            off = 1.0 / p[2]
+            off = nearness
             for k in range(6):
                 off -= fits[j, i, k] * row[k]
             if abs(off) > stray:
                 continue
         if left[j, i, 0] == 0.0:
-            middle[j, i] = 1.0 / p[2]
-        value = 1.0 / p[2] - middle[j, i]  # small numbers: squares of them are subtracted
+            middle[j, i] = nearness
+        value = nearness - middle[j, i]  # small numbers: squares of them are subtracted
         for k in range(6):
             pulls[j, i, k] += row[k] * value
             for m in range(k + 1):
@@ -144,12 +144,12 @@ def _fit(
         left[j, i, 1] += value * value
     for j in range(rows):
         for i in range(columns):
-            n = left[j, i, 0]
-            if n < FEWEST_POINTS:
+            count = left[j, i, 0]
+            if count < FEWEST_POINTS:
                 left[j, i, 0] = 0.0
                 continue
             for k in range(6):
-                normal[j, i, k, k] += 1e-9 * n
+                normal[j, i, k, k] += 1e-9 * count
                 for m in range(k):
                     normal[j, i, m, k] = normal[j, i, k, m]
             found = np.linalg.solve(normal[j, i], pulls[j, i])
@@ -157,8 +157,24 @@ def _fit(
                 fits[j, i, k] = found[k]
                 left[j, i, 1] -= found[k] * pulls[j, i, k]
             fits[j, i, 0] += middle[j, i]
-            fits[j, i, 6] = 0.5 * min(1.0, np.sqrt(wanted / held[j, i]))
+            fits[j, i, 6] = halves[j, i]
     return left
+
+
+@njit(cache=True)
+def _divide(
+    points: Floats, low: Floats, step: float, wanted: int, places: Floats, halves: Floats
+) -> None:  # pragma: no cover (compiled)
+    """Write where the points lie, and half the size of each window (rows, columns), in steps."""
+    held = np.zeros(halves.shape)
+    for n in range(len(points)):
+        for k in range(2):
+            places[n, k] = (points[n, k] / points[n, 2] - low[k]) / step
+        held[int(places[n, 1]), int(places[n, 0])] += 1.0
+    for j in range(halves.shape[0]):
+        for i in range(halves.shape[1]):
+            if held[j, i] > 0.0:
+                halves[j, i] = 0.5 * min(1.0, np.sqrt(wanted / held[j, i]))
 
 
 @njit(cache=True)
