@@ -30,7 +30,7 @@ FEWEST_WINDOWS = 12
 """With fewer the scan shows nothing of its noise."""
 
 SMOOTH = 0.25
-"""This share of the windows, those with the least noise, is taken for smooth: its highest tells."""
+"""This share of the windows, with the least noise, is taken for smooth: its highest counts."""
 
 TIMES = 2.0
 """Wide windows with more than this over the narrow ones' noise show shapes: none is smooth."""
