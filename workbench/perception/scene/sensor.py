@@ -70,17 +70,17 @@ def sensor_model(points: Floats) -> SensorModel:
     low, high = picture_bounds(image)
     shown = before[are_within(image, low, high)]
     side = float((high - low).max())
-    narrow = _noise(shown, low, side, NARROW_WINDOWS, np.inf)
+    narrow = _noise(shown, low, side, NARROW_WINDOWS, stray=np.inf)
     if narrow is None:
         return SensorModel(None)
-    wide = _noise(shown, low, side, WIDE_WINDOWS, STRAY * narrow)
+    wide = _noise(shown, low, side, WIDE_WINDOWS, stray=STRAY * narrow)
     noise = narrow if wide is None or wide > TIMES * narrow else max(wide, narrow)
     # Rounded, so that it is the same on any machine.
     return SensorModel(min(round(noise, 6), COARSEST))
 
 
 def _noise(
-    points: Floats, low: Floats, side: float, windows: tuple[int, int], stray: float
+    points: Floats, low: Floats, side: float, windows: tuple[int, int], *, stray: float
 ) -> float | None:
     """Noise [m] at 1 m by windows of one size, None where too few are smooth.
 
