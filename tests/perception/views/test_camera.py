@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from workbench.perception.scene import sensor
-from workbench.perception.views.camera import are_between, picture_bounds
+from workbench.perception.views.camera import are_within, picture_bounds
 
 CLOUDS = arrays(np.float64, st.tuples(st.integers(1, 60), st.just(2)), elements=st.floats(-3, 3))
 
@@ -14,10 +14,10 @@ CLOUDS = arrays(np.float64, st.tuples(st.integers(1, 60), st.just(2)), elements=
 @given(CLOUDS)
 def test_the_corners_hold_nearly_all_points_and_are_themselves_between(image):
     low, high = picture_bounds(image)
-    inside = are_between(image, low, high)
+    inside = are_within(image, low, high)
     np.testing.assert_array_equal(inside, ((image >= low) & (image <= high)).all(axis=1))
     assert (image[inside].min(axis=0) >= low).all() and (image[inside].max(axis=0) <= high).all()
-    assert are_between(np.array([low, high]), low, high).all()
+    assert are_within(np.array([low, high]), low, high).all()
 
 
 def test_a_stray_point_makes_no_picture_endless():

@@ -70,7 +70,10 @@ def _distinct(
                 places[count, i] += poses[k, i, j] * middle[j]
         crowd, is_new = 0, True
         for j in range(count):
-            apart = np.sqrt(np.sum((places[count] - places[j]) ** 2))
+            square = 0.0
+            for i in range(3):
+                square += (places[count, i] - places[j, i]) ** 2
+            apart = np.sqrt(square)
             crowd += apart < nearby
             if apart <= distance and _is_turned_by_any(poses[kept[j]], poses[k], motions, cosine):
                 is_new = False

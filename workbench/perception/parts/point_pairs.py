@@ -12,7 +12,7 @@ takes to each other one stands for all: votes for the others are votes for the s
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, prange, uint64
+from numba import int32, njit, prange, uint64
 from numpy.typing import NDArray
 
 from workbench.model.geometry import Floats, Ints, frozen, put
@@ -94,6 +94,7 @@ def vote(
         table.starts,
         table.firsts,
         table.turns,
+        int(np.diff(table.starts).max()),
         scene.points,
         scene.normals,
         np.ascontiguousarray(references, dtype=np.int64),
@@ -187,6 +188,7 @@ def _vote(
     starts: Ints,
     firsts: Ints,
     turns: Singles,
+    most: int,
     points: Floats,
     normals: Floats,
     references: Ints,
@@ -198,7 +200,7 @@ def _vote(
         point, normal = points[references[number]], normals[references[number]]
         frame = _frame(normal)
         counts = _counts(
-            len(model_points), point, normal, frame, diameter, starts, firsts, turns,
+            len(model_points), point, normal, frame, diameter, starts, firsts, turns, most,
             points, normals,
         )  # fmt: skip
         best, heights = np.empty(len(counts), np.int64), np.empty(len(counts))
@@ -242,12 +244,18 @@ def _counts(
     starts: Ints,
     firsts: Ints,
     turns: Singles,
+    most: int,
     points: Floats,
     normals: Floats,
 ) -> Singles:  # pragma: no cover (compiled)
-    """Votes (size, TURNS) of one reference point: which point of the model, and which turn."""
-    counts = np.zeros((size, TURN_BINS), np.float32)
-    per_turn = TURN_BINS / (2.0 * np.pi)
+    """Votes (size, TURNS) of one reference point: which point of the model, and which turn.
+
+    No feature has more than `most` entries.
+    """
+    counts = np.zeros(size * TURN_BINS, np.float32)
+    shares = np.empty(most)
+    lowers, uppers = np.empty(most, np.int32), np.empty(most, np.int32)
+    per_turn, bins = TURN_BINS / (2.0 * np.pi), int32(TURN_BINS)
     p1, n1 = (point[0], point[1], point[2]), (normal[0], normal[1], normal[2])
     second, third = _column(frame, 1), _column(frame, 2)
     for other in range(len(points)):
@@ -257,17 +265,21 @@ def _counts(
         if feature < 0 or starts[feature] == starts[feature + 1]:
             continue
         turn = _turn(second, third, p1, p2)
-        for entry in range(uint64(starts[feature]), uint64(starts[feature + 1])):
-            place = (turn - turns[entry]) * per_turn
-            lower = int(np.floor(place))
-            share = place - lower
+        start = uint64(starts[feature])
+        entries = uint64(starts[feature + 1]) - start
+        # First where all votes go, several at a time, then the votes, which go one by one.
+        for k in range(entries):
+            place = (turn - turns[start + k]) * per_turn
+            floor = np.floor(place)
+            shares[k] = place - floor
             # Two turns are less than one round apart, either way: a division would take longer.
-            if lower < 0:
-                lower += TURN_BINS
-            elif lower >= TURN_BINS:
-                lower -= TURN_BINS
-            upper = lower + 1 if lower + 1 < TURN_BINS else 0
-            first = uint64(firsts[entry])
-            counts[first, uint64(lower)] += 1.0 - share
-            counts[first, uint64(upper)] += share
-    return counts
+            lower = int32(floor)
+            lower = int32(lower + (bins if lower < 0 else int32(0)))
+            lower = int32(lower - (bins if lower >= bins else int32(0)))
+            upper = int32(lower + 1) if lower + 1 < bins else int32(0)
+            row = int32(firsts[start + k] * bins)
+            lowers[k], uppers[k] = row + lower, row + upper
+        for k in range(entries):
+            counts[uint64(lowers[k])] += 1.0 - shares[k]
+            counts[uint64(uppers[k])] += shares[k]
+    return counts.reshape(size, TURN_BINS)

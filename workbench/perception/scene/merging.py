@@ -17,7 +17,7 @@ from workbench.model.derived.by_view import scans_by_view
 from workbench.model.geometry import Floats, sampled, shift_and_turn
 from workbench.model.robot import ScannedView
 from workbench.model.scan import Scan
-from workbench.perception.views.camera import are_between, picture_bounds
+from workbench.perception.views.camera import are_within, picture_bounds, picture_of
 
 COMPARED_AROUND = 0.02
 """[m] Points this far outside of the bin, and above its rim, are compared, too."""
@@ -128,9 +128,9 @@ def _looked_through(cell: Cell, scan: Scan, other: Scan) -> float:
     T = other.T_world_scanner.inverse()
     p = _around(cell, scan) @ T.rotation.T + T.translation
     ahead = other.points[other.points[:, 2] > 0]
-    image = ahead[:, :2] / ahead[:, 2:]
+    image = picture_of(ahead)
     low, high = picture_bounds(image)
-    is_in = are_between(image, low, high)
+    is_in = are_within(image, low, high)
     image, depths = image[is_in], ahead[is_in, 2]
     width = PIXEL_SPACINGS * max(float(np.sqrt(np.prod(high - low) / len(image))), 1e-6)
     shape = np.floor((high - low) / width).astype(int) + 1

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
-from workbench.perception.views.camera import are_between, picture_bounds
+from workbench.perception.views.camera import are_within, picture_bounds, picture_of
 
 NARROW_WINDOWS, WIDE_WINDOWS = (40, 160), (16, 1000)
 """Windows along the longer side of the image, and about how many points are taken in each."""
@@ -30,7 +30,7 @@ FEWEST_WINDOWS = 12
 """With fewer the scan shows nothing of its noise."""
 
 SMOOTH = 0.25
-"""This share of the windows, those with the least noise, is taken for smooth: its highest tells."""
+"""This share of the windows, with the least noise, is taken for smooth: its highest counts."""
 
 TIMES = 2.0
 """Wide windows with more than this over the narrow ones' noise show shapes: none is smooth."""
@@ -66,32 +66,28 @@ def sensor_model(points: Floats) -> SensorModel:
     before = before[before[:, 2] > 0]
     if len(before) < FEWEST_WINDOWS * FEWEST_POINTS:
         return SensorModel(None)
-    image = before[:, :2] / before[:, 2:]
+    image = picture_of(before)
     low, high = picture_bounds(image)
-    before = before[are_between(image, low, high)]
-    narrow = _noise(before, low, high, NARROW_WINDOWS, np.inf)
+    shown = before[are_within(image, low, high)]
+    side = float((high - low).max())
+    narrow = _noise(shown, low, side, NARROW_WINDOWS, stray=np.inf)
     if narrow is None:
         return SensorModel(None)
-    wide = _noise(before, low, high, WIDE_WINDOWS, STRAY * narrow)
+    wide = _noise(shown, low, side, WIDE_WINDOWS, stray=STRAY * narrow)
     noise = narrow if wide is None or wide > TIMES * narrow else max(wide, narrow)
     # Rounded, so that it is the same on any machine.
     return SensorModel(min(round(noise, 6), COARSEST))
 
 
 def _noise(
-    points: Floats, low: Floats, high: Floats, windows: tuple[int, int], stray: float
+    points: Floats, low: Floats, side: float, windows: tuple[int, int], *, stray: float
 ) -> float | None:
     """Noise [m] at 1 m by windows of one size, None where too few are smooth.
 
-    Args:
-        points: (n, 3) [m] before the scanner.
-        low: (2,) corner of their picture on the plane z = 1, no unit.
-        high: (2,) the opposite corner.
-        windows: see `NARROW_WINDOWS`.
-        stray: [m] see `_fit`.
+    `low` (2,) and `side` are corner and width of the picture that holds the points (n, 3) [m].
     """
     count, wanted = windows
-    step = float((high - low).max()) / count
+    step = side / count
     if not step > 0:
         return None
     fits = np.zeros((count + 1, count + 1, 7))
@@ -116,30 +112,30 @@ def _fit(
         (rows, columns, 2): how many points, and the sum of squares that is left over.
     """
     rows, columns = fits.shape[:2]
-    held = np.zeros((rows, columns))
-    for p in points:
-        held[int((p[1] / p[2] - low[1]) / step), int((p[0] / p[2] - low[0]) / step)] += 1.0
+    places, halves = np.empty((len(points), 2)), np.zeros((rows, columns))
+    _divide(points, low, step, wanted, places, halves)
     normal, pulls = np.zeros((rows, columns, 6, 6)), np.zeros((rows, columns, 6))
     left = np.zeros((rows, columns, 2))
     middle = np.zeros((rows, columns))
     row = np.empty(6)
-    for p in points:
-        a, b = (p[0] / p[2] - low[0]) / step, (p[1] / p[2] - low[1]) / step
+    for n in range(len(points)):
+        a, b = places[n, 0], places[n, 1]
         i, j = int(a), int(b)
-        half = 0.5 * min(1.0, np.sqrt(wanted / held[j, i]))
+        half = halves[j, i]
         x, y = (a - i - 0.5) / half, (b - j - 0.5) / half
         if abs(x) > 1.0 or abs(y) > 1.0:
             continue
+        nearness = 1.0 / points[n, 2]
         row[0], row[1], row[2], row[3], row[4], row[5] = 1.0, x, y, x * x, x * y, y * y
         if stray < np.inf:
-            off = 1.0 / p[2]
+            off = nearness
             for k in range(6):
                 off -= fits[j, i, k] * row[k]
             if abs(off) > stray:
                 continue
         if left[j, i, 0] == 0.0:
-            middle[j, i] = 1.0 / p[2]
-        value = 1.0 / p[2] - middle[j, i]  # small numbers: squares of them are subtracted
+            middle[j, i] = nearness
+        value = nearness - middle[j, i]  # small numbers: squares of them are subtracted
         for k in range(6):
             pulls[j, i, k] += row[k] * value
             for m in range(k + 1):
@@ -148,12 +144,12 @@ def _fit(
         left[j, i, 1] += value * value
     for j in range(rows):
         for i in range(columns):
-            n = left[j, i, 0]
-            if n < FEWEST_POINTS:
+            count = left[j, i, 0]
+            if count < FEWEST_POINTS:
                 left[j, i, 0] = 0.0
                 continue
             for k in range(6):
-                normal[j, i, k, k] += 1e-9 * n
+                normal[j, i, k, k] += 1e-9 * count
                 for m in range(k):
                     normal[j, i, m, k] = normal[j, i, k, m]
             found = np.linalg.solve(normal[j, i], pulls[j, i])
@@ -161,8 +157,24 @@ def _fit(
                 fits[j, i, k] = found[k]
                 left[j, i, 1] -= found[k] * pulls[j, i, k]
             fits[j, i, 0] += middle[j, i]
-            fits[j, i, 6] = 0.5 * min(1.0, np.sqrt(wanted / held[j, i]))
+            fits[j, i, 6] = halves[j, i]
     return left
+
+
+@njit(cache=True)
+def _divide(
+    points: Floats, low: Floats, step: float, wanted: int, places: Floats, halves: Floats
+) -> None:  # pragma: no cover (compiled)
+    """Write where the points lie, and half the size of each window (rows, columns), in steps."""
+    held = np.zeros(halves.shape)
+    for n in range(len(points)):
+        for k in range(2):
+            places[n, k] = (points[n, k] / points[n, 2] - low[k]) / step
+        held[int(places[n, 1]), int(places[n, 0])] += 1.0
+    for j in range(halves.shape[0]):
+        for i in range(halves.shape[1]):
+            if held[j, i] > 0.0:
+                halves[j, i] = 0.5 * min(1.0, np.sqrt(wanted / held[j, i]))
 
 
 @njit(cache=True)

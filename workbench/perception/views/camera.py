@@ -11,6 +11,14 @@ RARE, SAMPLED = 0.002, 50_000
 """Share of points that set no bounds of a picture, and points by which that is measured."""
 
 
+def picture_of(points: Floats) -> Floats:
+    """Where points (n, 3) [m] before the camera lie on the plane z = 1: (n, 2), no unit.
+
+    By columns, here and below: numpy works on long ones fast, and on pairs slowly.
+    """
+    return np.stack([points[:, k] / points[:, 2] for k in (0, 1)]).T
+
+
 def picture_bounds(image: Floats) -> tuple[Floats, Floats]:
     """The corners (2,) of the picture of points (n, 2) on the plane z = 1; no unit.
 
@@ -18,19 +26,17 @@ def picture_bounds(image: Floats) -> tuple[Floats, Floats]:
     others than these from each other lies outside.
     """
     some = image[:: max(1, len(image) // SAMPLED)]
-    first, last = np.quantile(some, (RARE, 1 - RARE), axis=0)
+    first, last = np.array([np.quantile(column, (RARE, 1 - RARE)) for column in some.T]).T
     width = (last - first).max()
-    near = image[are_between(image, first - width, last + width)]
-    # numpy takes several times as long over rows of two.
-    corners = [(column.min(), column.max()) for column in near.T]
-    low, high = np.array(corners).T
-    return low, high
+    is_near = are_within(image, first - width, last + width)
+    near = [column[is_near] for column in image.T]
+    return np.array([column.min() for column in near]), np.array([column.max() for column in near])
 
 
-def are_between(image: Floats, low: Floats, high: Floats) -> Bools:
-    """Which points (n, 2) of a picture lie between two of its corners (2,); no unit."""
-    x, y = image.T
-    return (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
+def are_within(image: Floats, low: Floats, high: Floats) -> Bools:
+    """Which points (n, 2) of a picture lie between two corners (2,): (n,); no unit."""
+    (u, v), (left, top), (right, bottom) = image.T, low, high
+    return (u >= left) & (u <= right) & (v >= top) & (v <= bottom)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
-from workbench.perception.views.camera import are_between, picture_bounds
+from workbench.perception.views.camera import are_within, picture_bounds, picture_of
 
 FILLED_SPACINGS = 1.2
 """Spacings of the points up to which a pixel is filled from its nearest point."""
@@ -62,9 +62,9 @@ def spacing_of(points: Floats) -> tuple[float, Floats, Floats]:
     Returns:
         The distance of neighbours, and the corners (2,) of their picture; no unit.
     """
-    image = points[:, :2] / points[:, 2:]
+    image = picture_of(points)
     low, high = picture_bounds(image)
-    image = image[are_between(image, low, high)]
+    image = image[are_within(image, low, high)]
     side = float(np.sqrt(np.prod(high - low) * POINTS_A_SQUARE / len(image)))
     if not side > 0.0:
         return 0.0, low, high
