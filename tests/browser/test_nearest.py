@@ -85,7 +85,7 @@ def test_the_approval_goes_there_and_gives_the_certificate_of_this_plan(
     bench.do(WatchPlan(state.plan.digest), NOBODY)
     screen.press("Approve")
     screen.wait_for("Type your name to approve")
-    facts = screen.text("[role=dialog] .wb-facts")
+    facts = screen.text("[role=dialog]")
     for word in ("the whole motion on", "positions checked in", "Linear motion", "Certificate"):
         assert word in facts
     screen.shoot("approval-light")

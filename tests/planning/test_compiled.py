@@ -1,6 +1,7 @@
 """Functions compiled in place: numba counts no references in them, so they return no array."""
 
 import ast
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from numba.core.errors import TypingError
 
 import workbench
 from workbench.planning.compiled import njit_in_place
+from workbench.planning.planners.trees import _draw
 
 NUMBERS = {"None", "int", "float", "bool", "tuple", "PairDrift"}
 """Types that hold no array, of which a function compiled in place returns some."""
@@ -34,6 +36,21 @@ def test_what_is_compiled_in_place_returns_numbers(layer: str) -> None:
         assert function.returns is not None, name
         names = {n.id for n in ast.walk(function.returns) if isinstance(n, ast.Name)}
         assert names <= NUMBERS, name
+        taken = ast.dump(function.args)
+        # Numba makes an owner of each generator that is handed in, which nobody would release.
+        assert "Generator" not in taken, name
+
+
+def test_a_search_keeps_no_generator():
+    rng = np.random.default_rng(3)
+    start, goal = np.zeros(2), np.array([0.4, 0.2])
+    box = np.array([[-1.0, -1.0], [1.0, 1.0], [1.0, 1.0]])
+    sample = np.zeros(2)
+    _draw(sample, start, goal, box, 0, rng)
+    before = sys.getrefcount(rng)
+    for _ in range(10):
+        _draw(sample, start, goal, box, 0, rng)
+    assert sys.getrefcount(rng) == before
 
 
 def test_what_is_compiled_in_place_writes_into_what_it_is_handed() -> None:

@@ -103,8 +103,8 @@ class Detection(FactsRepr):
     has put where it is now; None where it lies as it was found.  `by_colour` True: kind and turn
     are those that the colours show, where shape leaves several; False: they should have reported it
     and do not, so that it is by shape alone; None: nothing was left to them.  `placing` is how far
-    it may be off, of a part of an assembly that was placed.  `T_world_seen` is where a scan has
-    shown such a part last since it was placed; None where none has.
+    it may be off, of a part that a hand has put into an assembly or onto a station.  `T_world_seen`
+    is where a scan has shown such a part last since it was placed; None where none has.
     """
 
     part: str

@@ -1,8 +1,12 @@
 """Piles of which parts are taken over a station: two plans, and one part taken."""
 
+from collections import namedtuple
+from dataclasses import replace
+
 import numpy as np
 
-from workbench.app.emptying.empty import empty_pile
+from workbench.app.emptying import carrying
+from workbench.app.emptying.empty import _failures_in_a_row, empty_pile
 from workbench.app.emptying.film import Film
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
@@ -39,3 +43,25 @@ def test_a_part_that_goes_over_the_post_is_taken_once_and_shown_there_between_bo
     (part,) = moment_of(CELL, Kinematics(CELL), reel, showing).parts
     assert np.allclose(part.T_world_part.homogeneous, standing.T_world_part.homogeneous)
     assert end_of(reel) > reel.stretches[1].start
+
+
+def test_a_part_that_the_hand_misses_on_the_post_counts_as_failed_and_stays_nowhere(monkeypatch):
+    taken = carrying.carried_out
+
+    def missed_on_the_post(cell, truth, arm_plan, meant):
+        found = taken(cell, truth, arm_plan, meant)
+        return found if arm_plan.station else replace(found, number=None, is_straight=False)
+
+    monkeypatch.setattr(carrying, "carried_out", missed_on_the_post)
+    shots = []
+    pile = empty_pile(CELL, TASK, (lying(),), film=shots.append)
+    assert (pile.taken, sum(pile.failed), pile.knocked_out, pile.left) == (0, 1, 1, ())
+    assert shots[-1].after == ()
+
+
+def test_a_part_put_on_the_post_does_not_end_failures_in_a_row():
+    plan = namedtuple("Plan", "arms stations")
+    over, direct = plan((1,), ("post",)), plan((1,), ())
+    assert _failures_in_a_row(2, over, []) == 2
+    assert _failures_in_a_row(2, direct, []) == 0
+    assert _failures_in_a_row(2, direct, [0]) == 3

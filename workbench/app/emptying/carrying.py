@@ -59,8 +59,10 @@ def carry_out_plan(
             tally.standing.add(number)
     if failed:
         # Whatever is in doubt ends a row.  Somebody takes away what stands on a station.
+        tally.knocked_out += len(tally.standing)
         lying[:] = [entry for entry in lying if entry[0] not in tally.standing]
         tally.standing.clear()
+        picks[-1] = replace(picks[-1], after=tuple(lying))
     return Shot(plan, before, tuple(picks)), failed
 
 

@@ -25,7 +25,7 @@ from workbench.model.derived.by_recipe import kit_of, wanted_parts
 from workbench.model.derived.by_view import views_of
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.work import CancelText, ProgressText
-from workbench.model.plan import PlanResult
+from workbench.model.plan import Plan, PlanResult
 from workbench.model.prediction import EmptiedPile, PileTask
 from workbench.model.scan import Detection, Scene, SearchOverrides, Unexplained
 from workbench.perception.scene.unexplained import look_around
@@ -117,7 +117,7 @@ def empty_pile(
         for plan in result.plans:
             shot, missed = carry_out_plan(cell, task, plan, lying, tally)
             film(shot)
-            failures = failures + len(missed) if len(missed) == len(plan.arms) else 0
+            failures = _failures_in_a_row(failures, plan, missed)
             avoided += [(plan.detections[number], AVOID_SCANS) for number in missed]
             if missed:
                 break
@@ -126,6 +126,13 @@ def empty_pile(
             seen_for = seconds_seen(last, sees_from(cell, last))
     end = _End(lying, refusal, result, failures >= MOST_FAILURES)
     return _record_pile(cell, task, tally, end, estimates=estimates)
+
+
+def _failures_in_a_row(before: int, plan: Plan, missed: Sequence[int]) -> int:
+    """Picks that have failed in a row; a part on a station has not come to its place yet."""
+    if len(missed) == len(plan.arms):
+        return before + len(missed)
+    return before if plan.stations else 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,8 @@ turn gets a weight that falls with the pixels by which the scan shows it less we
 the pose is its share of them all.
 """
 
+import math
+
 import numpy as np
 import pinocchio as pin
 
@@ -29,6 +31,11 @@ NEARBY = np.deg2rad([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
 
 FINE = np.deg2rad(np.linspace(-8.0, 8.0, 33))
 """[rad] Turns about the near-symmetry axis by which the outline is compared."""
+
+OUTLINE_WORSE = 1.5
+"""How many times as far off turns by the outline are as their likelihood says: pixels along an edge
+err together.  Of 553 spacers and nuts in simulated piles and rings, as four kinds of scanner
+see them, 523 were right to within 3 degrees."""
 
 SAME_TURN = float(np.deg2rad(3.0))
 """[rad] A pose that is turned by less is as right as the true one."""
@@ -98,6 +105,30 @@ def share_nearby(
     return float((1.0 + beside[is_same].sum()) / (1.0 + beside.sum()))
 
 
+def share_of_turns(error: float) -> float:
+    """The chance, 0..1, that a turn with a standard error [rad] is right to within `SAME_TURN`."""
+    return math.erf(SAME_TURN / (error * math.sqrt(2.0))) if error > 0.0 else 1.0
+
+
+def with_turn_error(known: Floats, surface: PartSurface, pose: Floats, error: float) -> Floats:
+    """A covariance (6, 6) [m, rad] with at least this standard error [rad] about the axis.
+
+    Args:
+        known: see `certainty.covariance`.
+        surface: one that has a near-symmetry axis, where `error` is not 0.
+        pose: (4, 4) [m] that was found.
+        error: of its turn about that.
+    """
+    if error <= 0.0:
+        return known
+    assert surface.symmetry.axis is not None
+    point, axis = surface.symmetry.axis
+    turn = pose[:3, :3] @ axis
+    motion = np.concatenate([np.cross(turn, -pose[:3, :3] @ point), turn])
+    lacks = error**2 - float(turn @ known[3:, 3:] @ turn)
+    return known + max(lacks, 0.0) * np.outer(motion, motion)
+
+
 def turn_by_outline(
     depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
 ) -> tuple[Floats, float]:
@@ -112,7 +143,8 @@ def turn_by_outline(
         tolerance: [m] see `sightings.look`.
 
     Returns:
-        The pose, and the standard deviation [rad] of its turn.
+        The pose, at the mean of what is likely, and the standard error [rad] of its turn; that is
+        infinite where a turn at the end of `FINE` is the likeliest.
     """
     assert surface.symmetry.axis is not None
     point, axis = surface.symmetry.axis
@@ -120,9 +152,12 @@ def turn_by_outline(
     turns[:, :3, :3] = [pin.exp3(angle * axis) for angle in FINE]
     turns[:, :3, 3] = point - turns[:, :3, :3] @ point
     tallies = tally(depth_map, surface, pose @ turns, tolerance)
-    likely = weights(tallies[closeness(tallies).argmax()], tallies)
+    best = int(closeness(tallies).argmax())
+    if best in (0, len(FINE) - 1):
+        return pose, np.inf
+    likely = weights(tallies[best], tallies)
     likely /= likely.sum()
     turn = float(likely @ FINE)
-    deviation = float(np.sqrt(likely @ (FINE - turn) ** 2))
+    deviation = OUTLINE_WORSE * float(np.sqrt(likely @ (FINE - turn) ** 2))
     R = pin.exp3(turn * axis)
     return pose @ pin.SE3(R, point - R @ point).homogeneous, deviation

@@ -48,9 +48,8 @@ turned about the axis, which may have to be shifted along a thread."""
 ROLL_ERROR = float(np.deg2rad(1.0))
 """[rad] A roll whose standard error is larger counts as unknown."""
 
-OUTLINE_ERROR = float(np.deg2rad(1.75))
-"""[rad] And one that the outline alone holds.  Of 140 spacers on their ends, as five kinds of
-scanner see them, 114 had less, and 113 of these were right to within 3 degrees."""
+OUTLINE_ERROR = float(np.deg2rad(2.25))
+"""[rad] And one that the outline alone holds, where pixels are coarse over a part."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,7 +62,8 @@ class Assessment:
     when a small motion of another kind changes nothing either.  `share` is the chance of this turn
     among all that the scan shows nearly as well, 0..1: of a cup that lies nobody sees which end is
     open, so it is about a half.
-    `by_colour` as that of a `Detection`.
+    `by_colour` as that of a `Detection`.  `outline_error` [rad] is the standard error of a roll
+    that the outline alone holds; 0 of others.
     """
 
     pose: Floats
@@ -73,6 +73,7 @@ class Assessment:
     is_constrained: bool
     share: float
     by_colour: bool | None = None
+    outline_error: float = 0.0
 
     def __post_init__(self) -> None:
         put(self, pose=frozen(self.pose))
@@ -111,15 +112,16 @@ def assess(
         gap = max(0.0, float(gains(own[None])[0] - gains(np.array(rest)).max()))
         gap /= max(sighting.shown, 1)
     turned = np.array(rest[1:]).reshape(-1, 4)
-    is_known = len(turns) == 0
+    is_known, outline_error = len(turns) == 0, 0.0
     if not is_known and len(sighting.explained) > 0 and is_better(own, turned):
         is_known = _do_faces_hold_roll(depth_map, surface, pose, sighting, tolerance)
         if not is_known:
             at_outline, error = turn_by_outline(depth_map, surface, pose, tolerance)
             is_known = error < OUTLINE_ERROR
-            pose = at_outline if is_known else pose
-            sighting = look(depth_map, surface, pose, tolerance)
-            own = tally(depth_map, surface, pose[None], tolerance)[0]
+            if is_known:
+                pose, outline_error = at_outline, error
+                sighting = look(depth_map, surface, pose, tolerance)
+                own = tally(depth_map, surface, pose[None], tolerance)[0]
     is_round = surface.symmetry.axis is not None
     # Where the roll is not known, all turns about the axis are one pose.
     flips = others[~is_turn][: 1 if is_round else MOST_SHARING]
@@ -137,6 +139,7 @@ def assess(
         roll_known=is_known,
         is_constrained=is_constrained(depth_map, surface, pose, tolerance),
         share=1.0 / (1.0 + float(weights(own, sharing).sum())),
+        outline_error=outline_error,
     )
 
 

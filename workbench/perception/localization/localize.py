@@ -22,7 +22,11 @@ from workbench.model.scan import (
 )
 from workbench.model.symmetry import ROUND
 from workbench.perception.bins.bin_fit import above_floor
-from workbench.perception.localization.alternatives import share_nearby
+from workbench.perception.localization.alternatives import (
+    share_nearby,
+    share_of_turns,
+    with_turn_error,
+)
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.cad_shape import report_shape
 from workbench.perception.localization.certainty import (
@@ -279,6 +283,8 @@ def _detection(
         sought.tolerance,
         filled=sought.filled,
     )
+    known = with_turn_error(known, sought.surface, assessed.pose, assessed.outline_error)
+    chance *= share_of_turns(assessed.outline_error)
     if not sought.is_loose:
         # With more tolerance the scan says little of small turns, and `chance` is of the place.
         chance *= share_nearby(
@@ -287,7 +293,9 @@ def _detection(
             assessed.pose,
             known,
             sought.tolerance,
-            is_roll_free=not assessed.roll_known or sought.part.symmetry.form == ROUND,
+            is_roll_free=not assessed.roll_known
+            or assessed.outline_error > 0.0
+            or sought.part.symmetry.form == ROUND,
         )
     return Detection(
         part=sought.part.name,

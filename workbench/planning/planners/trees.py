@@ -10,6 +10,7 @@ planning", IEEE International Conference on Robotics and Automation, 2000.
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges, edge_answer
@@ -89,7 +90,7 @@ def question(trees: Trees) -> tuple[Floats, Floats]:
     return trees.q[tree, trees.at[2]].copy(), trees.new.copy()
 
 
-@njit_in_place
+@njit(cache=True)
 def grow_trees(
     trees: Trees,
     box: Floats,
@@ -169,7 +170,7 @@ def sample_around(
     return low + (high - low) * rng.random(len(low))
 
 
-@njit_in_place
+@njit(cache=True)
 def _draw(
     sample: Floats,
     start: Floats,

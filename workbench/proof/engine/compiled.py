@@ -15,6 +15,7 @@ which takes longer than most of what is called here."""
 def njit_in_place(function: Function) -> Function:
     """Compile a function that writes into arrays it is handed, makes none, and returns numbers.
 
-    It may only call such functions: numba refuses to compile a new array in what they call.
+    It takes no generator, which would never be released, and calls only functions like itself:
+    numba refuses one that makes an array, unless that was compiled before.
     """
     return cast(Function, njit(**IN_PLACE)(function))

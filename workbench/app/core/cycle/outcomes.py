@@ -325,10 +325,11 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
     said_of = {"outcomes": (*others, outcome)}
     if is_remembered(state):
         said_of = {"unscanned": replace(sent, outcomes=(*others, outcome))}
+    is_placed = command.is_picked and not sent.plans[-1].stations
     elsewhere = tuple(entry for entry in state.avoided if not _is_at(state.cell, detection, entry))
     state = replace(
         state,
-        failures=0 if command.is_picked else state.failures + 1,
+        failures=0 if is_placed else state.failures + (not command.is_picked),
         avoided=elsewhere,
         message=_outcome_message(command, actor),
         **said_of,
