@@ -76,14 +76,14 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
 
     screen.tab("Cycle")
     screen.press("Approve")
-    facts = screen.page.get_by_role("dialog").locator(".wb-facts")
-    facts.wait_for()
-    shown = facts.inner_text()
+    dialog = screen.page.get_by_role("dialog")
+    dialog.locator(".wb-facts").first.wait_for()
+    shown = dialog.inner_text()
     assert state.plan.digest[:12] in shown
     # Never more than there is.
     assert f"{math.floor(state.proof.clearance * 1e4) / 10:.1f} mm" in shown
     assert all(arm.grasp in shown for arm in state.plan.arms)
-    screen.page.get_by_role("dialog").locator("input").first.press_sequentially("Anna", delay=100)
+    dialog.locator("input").first.press_sequentially("Anna", delay=100)
     screen.button("Approve as Anna").wait_for()
     screen.shoot("5-approval")
     screen.press("Approve as Anna")

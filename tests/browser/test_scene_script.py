@@ -165,7 +165,7 @@ def test_all_groups_of_the_grasps_are_reached_and_opened_by_keyboard(front, new_
     for _ in range(6):
         window.page.keyboard.press("Tab")
         pause(window.page, 50)
-        if focused.evaluate("one => one.ariaLabel") == "Seed":
+        if focused.evaluate("one => one.ariaLabel ?? one.labels?.[0]?.textContent") == "Seed":
             break
     expect(window.scene.get_by_label("Seed").locator("visible=true")).to_be_focused()
     for name in ("Position [mm] y", "Angles [deg] yaw"):
