@@ -215,7 +215,7 @@ def test_the_threshold_is_said_while_it_is_dragged_and_asked_for_once(
     bench.do(WantThreshold(0.123), "Otto")
     for each in (screen, other):
         expect(field(each, "Threshold [mm]")).to_have_value("123")
-    decides = screen.page.get_by_text("for these parts:")
+    decides = screen.page.get_by_text(re.compile("^(Both arms at once|One arm after the other)"))
     expect(decides).to_have_text("Both arms at once, if quicker: 1 of 1 pair far apart")
     slider = slider_of(screen, "Threshold [mm]")
     start, mouse = slider.bounding_box(), screen.page.mouse
