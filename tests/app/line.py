@@ -6,10 +6,13 @@ from typing import Any
 import pytest
 
 from workbench.app.core.command import Command, Entry
+from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.decide import check_allowed, decide
 from workbench.app.core.effects import Effect
 from workbench.app.core.people import ROBOT_LINK, WORKER
@@ -39,6 +42,19 @@ class Line:
         """The running job brings this."""
         assert self.state.job is not None
         return self.do(JobEnded(self.state.job.number, result))
+
+
+def send(line: Line, samples: Any, scan: TakeScan | None = None) -> None:
+    """A cycle until its plan is on its way."""
+    line.do(scan or TakeScan())
+    line.ended(samples.scan())
+    line.do(FindParts())
+    line.ended(samples.detections())
+    line.do(MakePlan())
+    digest = line.ended(samples.planned(line.state.scene_digest)).plan.digest
+    line.do(WatchPlan(digest))
+    line.do(Approve(digest))
+    line.do(SendPlan(digest))
 
 
 def planned_line(samples: Any, cell: Any) -> Line:

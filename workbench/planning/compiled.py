@@ -1,4 +1,7 @@
-"""Compiling of functions that make no array: what counts where a path is searched."""
+"""Compiling of functions that make no array: what counts where a path is searched.
+
+The proof has a module of its own for it, since both share nothing.
+"""
 
 from collections.abc import Callable
 from typing import Any, TypeVar, cast

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
-from line import NOW, Line
+from line import NOW, Line, send
 
 from workbench.app.core.cell.changes import ChangeCell
-from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.outcomes import (
     AVOID_SCANS,
     MOST_FAILURES,
@@ -21,8 +20,7 @@ from workbench.app.core.cycle.outcomes import (
 from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
-from workbench.app.core.cycle.sending import LinkEnded, SendPlan
-from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.state import Phase, sent_for
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.verdicts import VerdictNote
@@ -33,19 +31,6 @@ from workbench.model.scan import Detection
 @pytest.fixture
 def line(cell) -> Line:
     return Line(cell)
-
-
-def send(line, samples) -> None:
-    """A cycle until its plan is on its way."""
-    line.do(TakeScan())
-    line.ended(samples.scan())
-    line.do(FindParts())
-    line.ended(samples.detections())
-    line.do(MakePlan())
-    digest = line.ended(samples.planned(line.state.scene_digest)).plan.digest
-    line.do(WatchPlan(digest))
-    line.do(Approve(digest))
-    line.do(SendPlan(digest))
 
 
 def cycle(line, samples) -> None:

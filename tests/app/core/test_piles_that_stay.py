@@ -1,16 +1,12 @@
 """Parts of a simulated pile stay until they are picked, or new ones are asked for."""
 
 import pytest
-from line import Line
+from line import Line, send
 
 from workbench.app.core.command import Entry
-from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick, parts_sent_for
-from workbench.app.core.cycle.parts import FindParts
-from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, left_pile
-from workbench.app.core.cycle.sending import LinkEnded, SendPlan
-from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.decide import decide
 
 FOUR = TakeScan(seed=3, parts=4, stays=True)
@@ -19,19 +15,6 @@ FOUR = TakeScan(seed=3, parts=4, stays=True)
 @pytest.fixture
 def line(cell) -> Line:
     return Line(cell)
-
-
-def send(line, samples, scan) -> None:
-    """A cycle until its plan is on its way."""
-    line.do(scan)
-    line.ended(samples.scan())
-    line.do(FindParts())
-    line.ended(samples.detections())
-    line.do(MakePlan())
-    digest = line.ended(samples.planned(line.state.scene_digest)).plan.digest
-    line.do(WatchPlan(digest))
-    line.do(Approve(digest))
-    line.do(SendPlan(digest))
 
 
 @pytest.fixture

@@ -76,13 +76,18 @@ class QuickHand:
         return button
 
 
-def test_a_name_that_is_typed_at_once_is_on_the_button(states):
-    hand = QuickHand("Anna")
+def visitor_of(states, hand, *, is_known):
+    """A person in a browser, before a plan that can be approved."""
     bench = SimpleNamespace(state=states.planned, live=SimpleNamespace(joints={}))
     links = {"unseen": lambda pressed: "id", "hide": lambda buttons: None}
-    visitor = SimpleNamespace(
-        bench=bench, gui=hand, client=hand, is_known=False, words=IN_ENGLISH, **links
+    return SimpleNamespace(
+        bench=bench, gui=hand, client=hand, is_known=is_known, words=IN_ENGLISH, **links
     )
+
+
+def test_a_name_that_is_typed_at_once_is_on_the_button(states):
+    hand = QuickHand("Anna")
+    visitor = visitor_of(states, hand, is_known=False)
     dialog = ApprovalDialog(visitor)
     dialog.open()
     word = hand.buttons["Type your name to approve"]
@@ -91,12 +96,7 @@ def test_a_name_that_is_typed_at_once_is_on_the_button(states):
 
 
 def test_full_speed_has_a_line_of_its_own_that_follows_the_choice(states):
-    hand = QuickHand("Anna")
-    bench = SimpleNamespace(state=states.planned, live=SimpleNamespace(joints={}))
-    links = {"unseen": lambda pressed: "id", "hide": lambda buttons: None}
-    visitor = SimpleNamespace(
-        bench=bench, gui=hand, client=hand, is_known=True, words=IN_ENGLISH, **links
-    )
+    visitor = visitor_of(states, QuickHand("Anna"), is_known=True)
     visitor.person = SimpleNamespace(name="Anna")
     dialog = ApprovalDialog(visitor)
     dialog.open()

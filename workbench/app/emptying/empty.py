@@ -93,7 +93,7 @@ def empty_pile(
         )
         if seen_for:
             took = tally.finding - finding + sum(tally.planning[plannings:])
-            tally.beside.append((seen_for, took))
+            tally.seen_in_motion.append((seen_for, took))
         seen_for = 0.0
         plan = None if result is None else result.plan
         if result is None or plan is None or result.proof is None or not result.proof.holds:
@@ -185,7 +185,7 @@ def _record_pile(
         more,
         tally.rolled,
         tuple(tally.outcomes),
-        tuple(tally.beside),
+        tuple(tally.seen_in_motion),
         tally.warned_picks,
         tally.warned_touches,
         holdable(cell, rest, seed=task.seed) if estimates else None,

@@ -12,7 +12,9 @@ from workbench.model.scan import Detection, Scene
 class Tally:
     """What has happened with one pile.
 
-    `standing` are the numbers of parts on stations, between two plans of a row.
+    `seen_in_motion` has for each look that may be taken while the robot still moves how long that
+    goes on, and how long finding and planning took for it [s].  `standing` are the numbers of parts
+    on stations, between two plans of a row.
     """
 
     taken: int = 0
@@ -30,7 +32,7 @@ class Tally:
     known: Scene = field(default_factory=lambda: Scene("", ()))
     stirs: int = 0
     outcomes: list[str] = field(default_factory=list[str])
-    beside: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
+    seen_in_motion: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
     warned_picks: int = 0
     warned_touches: int = 0
     assembled: Assembled = field(default_factory=Assembled)

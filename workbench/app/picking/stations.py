@@ -11,7 +11,7 @@ import pinocchio as pin
 from workbench.app.picking.pallets import boxes_around
 from workbench.model.candidate import Candidate, Pick, Reason, Verdict
 from workbench.model.cell import Cell, Policy
-from workbench.model.derived.assembling import assembled_kinds, assembled_pose
+from workbench.model.derived.assembling import assembled_kinds, assembled_pose, rest_pose
 from workbench.model.derived.by_recipe import kit_of, with_recipe
 from workbench.model.derived.by_tcp import by_each_tcp, by_plan
 from workbench.model.errors import JobCancelled
@@ -22,6 +22,7 @@ from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.part import PartPlace, Station
 from workbench.model.plan import ArmPlan, Plan
 from workbench.model.recipes.recipe import NO_RECIPE
+from workbench.model.recipes.seen_base import SeenBase
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.resting import resting_poses
@@ -45,6 +46,9 @@ BENEATH = 0.001
 
 MOST_PAIRS = 6
 """Ways to stand into which a part can be brought, of which the soonest done ones are planned."""
+
+CHECKED = "check"
+"""Names the scan of a check, which has none."""
 
 FAR = 10.0
 """[m] Nothing in a cell is farther away."""
@@ -188,7 +192,10 @@ def _station_problem(cell: Cell, station: Station, kind: str) -> Message | None:
 
 
 def standing_before(cell: Cell, kind: str) -> tuple[Obstacle, ...]:
-    """The parts of the assembly that stand before one of a kind comes, at the first places."""
+    """The parts of the assembly that stand before one of a kind comes, at the first places.
+
+    They are in view there: whether a scan shows them is no matter of the station.
+    """
     placed: list[Detection] = []
     for item in kit_of(cell):
         if item.part == kind:
@@ -202,7 +209,10 @@ def standing_before(cell: Cell, kind: str) -> tuple[Obstacle, ...]:
             T = None if T_base is None else T_base * item.insertion.T_base_part
         if T is not None:
             placed.append(Detection(item.part, T))
-    return boxes_around(cell, placed)
+    return tuple(
+        replace(box, seen=SeenBase(CHECKED, rest_pose(cell, box), np.zeros((6, 6)), visible=1.0))
+        for box in boxes_around(cell, placed)
+    )
 
 
 def _is_on(points: Floats, station: Station) -> bool:

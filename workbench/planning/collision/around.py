@@ -7,7 +7,7 @@ from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.planning.collision.distances.cores import Cores
-from workbench.planning.collision.distances.gjk import TOUCHES, side
+from workbench.planning.collision.distances.gjk import ROWS, TOUCHES, side
 from workbench.planning.collision.hands import NO_PAIR, Hands
 from workbench.planning.compiled import njit_in_place
 
@@ -139,7 +139,7 @@ def _scratch(around: Around) -> tuple[Floats, Floats, Floats]:
             c[tools + g, i] = around.c_still[g, i]
             for j in range(3):
                 R[tools + g, i, j] = around.R_still[g, i, j]
-    return R, c, np.empty((15, 3))
+    return R, c, np.empty((ROWS, 3))
 
 
 @njit_in_place

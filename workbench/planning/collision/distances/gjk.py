@@ -25,6 +25,9 @@ MOST_STEPS = 48
 CLOSE_ENOUGH = 1e-7
 """[m] Bounds that lie as close together count as the distance."""
 
+ROWS = 15
+"""Of the scratch that is handed in; compiled code does not check that it has so many."""
+
 FIRST, ONE, TWO, THREE = cast(tuple[int, ...], (*map(np.int64, range(4)),))
 """Arguments with a type of their own: numba compiles a function anew for each plain number."""
 
@@ -50,7 +53,7 @@ def side(
         cores: of all bodies.
         low: [m] nearer than this they touch.
         high: [m] at least this far they are clear; not below `low`.
-        W: scratch (15, 3).
+        W: scratch (`ROWS`, 3).
 
     Returns:
         `TOUCHES`, `UNCLEAR` (between the limits) or `CLEAR`.

@@ -12,6 +12,7 @@ from numba import njit
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.bounds import Boxes, joint_pose
 from workbench.planning.collision.distances.cores import BALL, Cores
+from workbench.planning.collision.distances.gjk import ROWS
 from workbench.planning.compiled import njit_in_place
 from workbench.planning.kinematics.robot import JointTree
 
@@ -99,7 +100,7 @@ def scratch_for(
         np.zeros((bodies, 3, 3)), np.zeros((bodies, 3)), np.zeros(3),
         np.zeros(bodies, np.int64), np.zeros(1, np.int64),
         np.empty((MOST_PENDING, 3, n)), np.empty(MOST_PENDING, np.int64),
-        np.empty(MOST_PENDING, np.int64), np.empty(MOST_OPEN, np.int64), np.empty((15, 3)),
+        np.empty(MOST_PENDING, np.int64), np.empty(MOST_OPEN, np.int64), np.empty((ROWS, 3)),
     )  # fmt: skip
     for i in range(3):
         scratch.R_j[0, i, i] = 1.0
