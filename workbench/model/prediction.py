@@ -131,8 +131,8 @@ class EmptiedPile:
 
     Of `parts`, `taken` came out as planned; `failed` counts the failed picks by kind, in the order
     of `FAILURES` (kinds that came later may be missing); `touches` the legs on which something met
-    that the plan held apart, and `knocked_out` the parts that fell out of the bin, or that a hand
-    missed on a station.  `cycles` are approvals: plans carried out, or rows of them; `scans` are
+    that the plan held apart.  `knocked_out` are the parts that fell out of the bin, or that a hand
+    missed on a station; `cycles` are approvals: plans carried out, or rows of them; `scans` are
     looks into the bin.
     `motion_seconds` [s] is predicted by the plans; `planning` [s] was measured for every look;
     `stages` [s] by stage in all, and `finding` [s] for the parts in the scans. `more` is how many

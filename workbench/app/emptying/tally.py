@@ -12,9 +12,9 @@ from workbench.model.scan import Detection, Scene
 class Tally:
     """What has happened with one pile.
 
-    `seen_in_motion` has for each look that may be taken while the robot still moves how long that
-    goes on, and how long finding and planning took for it [s].  `standing` are the numbers of parts
-    on stations, between two plans of a row.
+    `seen_in_motion` is of looks that may be taken while the robot still moves: how long that goes
+    on, and how long finding and planning took [s].  `standing` are the numbers of parts on
+    stations, between two plans of a row.
     """
 
     taken: int = 0

@@ -26,7 +26,7 @@ CLOSE_ENOUGH = 1e-7
 """[m] Bounds that lie as close together count as the distance."""
 
 ROWS = 15
-"""Of the scratch that is handed in; compiled code does not check that it has so many."""
+"""Of the scratch that is handed in; compiled code does not check their count."""
 
 FIRST, ONE, TWO, THREE = cast(tuple[int, ...], (*map(np.int64, range(4)),))
 """Arguments with a type of their own: numba compiles a function anew for each plain number."""
