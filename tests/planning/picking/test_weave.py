@@ -97,6 +97,19 @@ def test_only_the_steps_of_ways_that_would_be_quickest_are_looked_at(cell, in_tu
     assert len(looked) <= 1 + COUNT**2 + 1
 
 
+def test_a_plan_is_left_out_whose_second_arm_meets_what_the_first_has_placed(
+    cell, in_turn, monkeypatch
+):
+    def passes(world, moving, waiting, done):
+        return not (moving.name == "approach" and done == COUNT)
+
+    monkeypatch.setattr(weave, "find_arm_contact", lambda world, pair: "they meet")
+    monkeypatch.setattr(weave, "passes", passes)
+    world = World(cell, in_turn.detections)
+    assert in_turn not in interleave(world, in_turn, freely=True)
+    assert interleave(world, in_turn, freely=False) == (in_turn,)
+
+
 def test_what_may_be_done_in_turns_is_one_arm_after_the_other(in_turn):
     allowed = [move for move in ALL_MOVES if move.is_sequential]
     assert len(allowed) == 2 * COUNT + 1

@@ -137,7 +137,7 @@ def plan_first_feasible(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Request:
-    """What plans are made of: see `planned`."""
+    """What plans are made of: see `plan_first_feasible`."""
 
     world: World
     picks: Sequence[Pick]
@@ -174,9 +174,10 @@ def _plan_picks(
             raise JobCancelled(CancelText.PLANNING())
         found = _route(request, chosen, pair, is_free=is_free)
         if isinstance(found, Verdict):
-            refusal = refusal or found
             if found.reason is Reason.OUT_OF_TIME:
+                refusal = found
                 break
+            refusal = refusal or found
             continue
         if not best or found[0].cycle_seconds < best[0].cycle_seconds:
             best = found
@@ -216,7 +217,9 @@ def _route(
         return plan
     if len(assigned) < 2 or not (is_free or world.cell.moves_both_arms):
         return (plan,)
-    return interleave(world, plan, freely=is_free)
+    found = interleave(world, plan, freely=is_free)
+    # The second arm's first legs may meet what the first has placed: then they are planned anew.
+    return found or _route(request, chosen, assigned, is_free=False)
 
 
 def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> list[Sequence[Pick]]:

@@ -308,6 +308,8 @@ def put_down(world: World, pick: Pick, others: LegPhase) -> PutDown | Verdict:
         [pick.place], plan_straight_descents(world, arm, brings, pick.extract[-1])
     ):
         if isinstance(down, Verdict):
+            if down.reason is Reason.OUT_OF_TIME:
+                return down
             refusal = refusal or down
             continue
         world.enter(brings)

@@ -143,7 +143,7 @@ def _that_can_be_put(
 
     Returns:
         Solutions in their order, configurations (k, n) [rad] at a place by the hand's pose, and the
-        last refusal when no solution is left.
+        first refusal when no solution is left, that of a time that is over before all others.
     """
     detection = world.detections[candidate.detection]
     if not arm.places_for(detection.part):
@@ -167,8 +167,9 @@ def _that_can_be_put(
         able += [
             solution for solution in solutions if solution[1].homogeneous.tobytes() not in near
         ]
-    nowhere = None if able else next((refusal for refusal in refusals.values() if refusal), None)
-    return able, near, nowhere
+    refused = [] if able else [refusal for refusal in refusals.values() if refusal]
+    refused.sort(key=lambda refusal: refusal.reason is not Reason.OUT_OF_TIME)
+    return able, near, next(iter(refused), None)
 
 
 def _grasp_solutions(

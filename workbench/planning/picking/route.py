@@ -64,7 +64,8 @@ def route(
     """A plan in which the arms work one after the other, in the order of `picks`.
 
     Each arm reaches, approaches, closes, extracts, returns, places, opens and goes home while
-    the other stands at home as an obstacle; what the arms before have placed is one, too.
+    the other stands at home as an obstacle; what the arms before have placed is one, too, from leg
+    number `since` on.
 
     Args:
         world: of the cell and the detections that the picks were made from.

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from workbench.model.motion import LEG_NAMES
 from workbench.model.plan import ArmPlan, Guarantee, Plan, Step, Strategy
 from workbench.planning.collision.world import World
-from workbench.planning.picking.dual_arm import ArmTask, find_arm_contact, passes
+from workbench.planning.picking.dual_arm import CARRYING, ArmTask, find_arm_contact, passes
 
 COUNT = len(LEG_NAMES)
 
@@ -78,7 +78,7 @@ class Weave:
         known = self.possible
         left = [(m, m.after, self.seconds((m,))) for m in among if known.get(m, True)]
         while (moves := _quickest(left)) is not None:
-            refused = next((move for move in moves if not self._is_possible(move)), None)
+            refused = next((move for move in moves if not self.is_possible(move)), None)
             if refused is None:
                 return moves
             left = [option for option in left if option[0] is not refused]
@@ -91,7 +91,8 @@ class Weave:
             for move in moves
         )
 
-    def _is_possible(self, move: Move) -> bool:
+    def is_possible(self, move: Move) -> bool:
+        """Whether nothing meets in that step; it is checked once."""
         if move not in self.possible:
             tasks = [
                 ArmTask(arm, LEG_NAMES[done]) if moves else None
@@ -130,25 +131,28 @@ def interleave(world: World, plan: Plan, *, freely: bool) -> tuple[Plan, ...]:
     Args:
         world: of the cell and the detections that the plan was made for.
         plan: for two arms, one after the other.
-        freely: any legs may run at once; otherwise the second arm sets out while the first goes
-            home, and no earlier.
+        freely: any legs may run at once, and until the second arm carries its part its legs were
+            planned as if the first had placed nothing; otherwise the second arm sets out while the
+            first goes home, and no earlier.
 
     Returns:
-        Plans that no proof has seen yet, and the given one last; that alone where nothing is won.
+        Plans that no proof has seen yet, and the given one last where its steps are possible; that
+        alone where nothing is won.
     """
     first, second = plan.arms
     in_turn = tuple(move for move in ALL_MOVES if move.is_sequential)
-    # The plan was made so that its own steps are possible.
-    weave = Weave(world, (first, second), {m: True for m in in_turn if not all(m.moves)})
+    own = [move for move in in_turn if not all(move.moves)]
+    planned = [m for m in own if not (freely and m.moves[1] and m.done[1] < CARRYING)]
+    weave = Weave(world, (first, second), dict.fromkeys(planned, True))
     ways = [weave.quickest(in_turn)]
     if freely:
         has_pairs = any(part.library.pairs for part in world.cell.parts)
         ways.insert(
             0, weave.quickest(tuple(m for m in ALL_MOVES if m.keeps_order or not has_pairs))
         )
-    found = [plan]
+    found = [plan] if all(map(weave.is_possible, own)) else []
     for moves in reversed(ways):
-        if moves and weave.seconds(moves) < found[0].cycle_seconds - WON:
+        if moves and (not found or weave.seconds(moves) < found[0].cycle_seconds - WON):
             found.insert(0, _plan_of(plan, moves))
     return tuple(found)
 
