@@ -299,15 +299,15 @@ class Violation:
 class Proof(FactsRepr):
     """What was checked again, independently of the planner, on what will be sent.
 
-    `checks` states were checked; between two of them no point of the robot moves further
-    than its distance to the nearest obstacle allows, down to `resolution` [m].  Corners were walked
-    sharp, and rounded by `zone`: 0 says that it holds only where the robot stops at every waypoint.
-    `clearance`
-    [m] is the smallest found over free legs, `nearest` where; `clearances` (steps,) [m] holds per
-    arm and leg the smallest distance after each waypoint, for the plot, and `apart` (steps,) [m]
-    the distance between the arms at each waypoint, measured as far as
-    `proof.walk.FAR_SIGHT`.  `speeds` bound the speed of points on each leg, in a cell that limits
-    it.
+    - `checks`: how many states; between two of them no point of the robot moves further than its
+      distance to the nearest obstacle allows, down to `resolution` [m]
+    - `zone`: corners were walked sharp, and rounded by so much; 0: it holds only where the robot
+      stops at every waypoint
+    - `clearance` [m], `nearest`: a lower bound over free legs, and where it is
+    - `clearances` (steps,) [m]: the same for each arm and leg after each waypoint, for the plot
+    - `apart` (steps,) [m]: a lower bound of the distance between the arms at each waypoint, up to
+      `proof.claims.walk.FAR_SIGHT`
+    - `speeds`: bounds of the speed of points on each leg, in a cell that limits it
     """
 
     plan_digest: str

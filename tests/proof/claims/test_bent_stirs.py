@@ -143,6 +143,16 @@ def test_nothing_that_hangs_over_the_bin_or_lies_across_its_walls_may_be_stirred
     assert objections(cell, replace(plan, obstacles=(crumb,))) == ""
 
 
+def test_a_rod_on_a_thick_wall_is_no_content(cell: Cell, plan: Plan) -> None:
+    thick = replace(cell, bin=replace(cell.bin, wall=0.02))
+    inner = float(cell.bin.size[0] / 2)
+    rim = float(cell.bin.size[2])
+    rod = obstacle_at(thick, (inner + 0.01, 0.0, rim + 0.005), [0.01, 0.1, 0.01])
+    touching = obstacle_at(thick, (inner - 0.003, 0.0, 0.02), [0.01, 0.1, 0.02])
+    content = content_of(thick, replace(plan.scene, obstacles=(rod, touching)))
+    assert content.others == (rod,)
+
+
 def shaken(plan: Plan, draw: np.random.Generator) -> Plan:
     """One joint at one waypoint of the way through the parts is elsewhere."""
     q = np.array(plan.arms[0].leg("stir").q)

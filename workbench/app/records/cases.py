@@ -111,9 +111,7 @@ def write_case(path: Path, case: Case) -> None:
     }
     arrays = large_arrays(case)
     content |= {f"files/{digest}": arrays[digest] for digest in sorted(arrays)}
-    size = sum(
-        len(content_of) for content_of in content.values() if not isinstance(content_of, Path)
-    )
+    size = sum(len(data) for data in content.values() if not isinstance(data, Path))
     if size > LARGEST_CASE:
         sizes = {"size": f"{size / MB:.0f}", "most": f"{LARGEST_CASE / MB:.0f}"}
         raise FileError(path, FileProblem.CASE_TOO_LARGE(**sizes))

@@ -36,7 +36,7 @@ class SimulatedBody:
             cell: whose arms.
             speed: 1 is real time.
             record: file for what arrives, see `record`.
-            trace: file for what is executed, see `passed`.
+            trace: file for what is executed, see `trace`.
             faults: that are to come.
         """
         self.cell, self.speed, self.faults = cell, speed, faults

@@ -253,7 +253,7 @@ def fix_message(nearest_fix: Message | str) -> Message | str:
 
 
 def changes_html(rows: Sequence[Mapping[str, Any]], words: Words = IN_ENGLISH) -> str:
-    """What single changes of the cell bring on the same piles, as `ranked` has them."""
+    """What single changes of the cell bring on the same piles, the best first."""
     if not rows:
         return ""
     body = "".join(

@@ -181,19 +181,19 @@ def _likely(found: Sequence[PartSearch], seed: int, step: Callable[[Message], No
         for search in found
     ]
     proposed: list[list[Hypothesis]] = []
-    for search, coarse_map in zip(found, glances, strict=True):
+    for search, glance in zip(found, glances, strict=True):
         step(ProgressText.GLANCE())
         poses = find_coarse_poses(
             search.coarse_map, search.surface, search.tolerance, search.are_possible, seed=seed
         )
         proposed.append(
             [
-                Hypothesis(p, look(coarse_map.depth_map, search.surface, p, coarse_map.tolerance))
+                Hypothesis(p, look(glance.depth_map, search.surface, p, glance.tolerance))
                 for p in poses
             ]
         )
     compete(glances, proposed, _as_it_is)
-    return [bool(part_glance.choice.chosen) for part_glance in glances]
+    return [bool(glance.choice.chosen) for glance in glances]
 
 
 Closely = Callable[[PartSearch, Hypothesis], Assessment]

@@ -160,16 +160,14 @@ class Gripping:
 
     def settled(self) -> pin.SE3:
         """`T_world_part` after a while in which nobody touches it: what leans on things falls."""
-        data = self._refine_best_symmetric(
-            pin.SE3(np.eye(3), self._T_world_part.translation + ASIDE)
-        )
+        data = self._at_start(pin.SE3(np.eye(3), self._T_world_part.translation + ASIDE))
         mujoco.mj_step(self._model, data, nstep=round(WHILE / TIME_STEP))
         return pose_of(data)
 
     def grip(self, T_world_tcp: pin.SE3, opening: float, shaking: Shaking) -> HeldPart:
         """Close fingers that are open by `opening` [m] at a pose of the hand, lift and shake."""
         model = self._model
-        data = self._refine_best_symmetric(T_world_tcp * self._T_flange_tcp.inverse())
+        data = self._at_start(T_world_tcp * self._T_flange_tcp.inverse())
         data.qpos[7:] = opening / 2
         mujoco.mj_forward(model, data)
         if self._touches(data):
@@ -197,7 +195,7 @@ class Gripping:
         bodies = self._model.geom_bodyid[data.contact.geom]
         return bool(((bodies == self._part).any(axis=1) & (bodies > self._hand).any(axis=1)).any())
 
-    def _refine_best_symmetric(self, T_world_hand: pin.SE3) -> mujoco.MjData:
+    def _at_start(self, T_world_hand: pin.SE3) -> mujoco.MjData:
         """The part on the plane, and the hand there."""
         model = self._model
         model.body_pos[self._hand] = T_world_hand.translation

@@ -1,4 +1,4 @@
-"""What holds for each leg and grip of an arm: said once, for planner and proof."""
+"""What holds for each leg and grip of an arm, in planning; the proof states the same anew."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -107,10 +107,9 @@ class Checks:
     def at_start(self, pairs: Ints, distances: Floats, near: float) -> Floats:
         """The margins [m] of a leg for which pairs are as close as `distances` where it begins.
 
-        A part lies on the bin's floor and on other parts when it is taken: as it is lifted, its
-        margin to these is what `kept` says.  A hand that has let go of a part is
-        around it or on it: on its way out it keeps `near` to it as on any linear motion, and where
-        it is closer already it may not come nearer.  `picking.leaving` says what follows.
+        A part touches the bin's floor and other parts when it is taken: as it is lifted, it keeps
+        `distances_to_keep` to these.  A hand that has let go of a part keeps `near` to it on its
+        way out, and where it is closer already it may not come nearer; see `picking.leaving`.
         """
         # The margins of the phase serve others too; these are for this leg alone.
         margins = np.where(self.leaves, np.minimum(self.margins, near), self.margins)

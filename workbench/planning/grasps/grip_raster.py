@@ -58,7 +58,7 @@ RINGS = 4
 class Grips:
     """The grips of a tool on a part.
 
-    `hands` are their ways, one each; `Ts_part_tcp` (R (n, 3, 3), p (n, 3) [m]) where the hand is.
+    `hands` are their ways, one each; the hand's poses are R (n, 3, 3) and p (n, 3) [m].
     They are weighed where an acceleration [m/s2] is given, see `GraspChecker`.
 
     Lifetime: as long as part and tool.

@@ -50,9 +50,8 @@ MOST_REFUSED = 8
 class Fix:
     """A change that admits a refused candidate; it was tried up to the place.
 
-    `change` is the message about it.  Of one of the grasp `grasp` is the candidate's as it was
-    tried, of one of the cell's policy `policy` the cell's; both are None where nothing here can
-    make it: `ROLL_CHANGE`.
+    `change` is the message about it.  `grasp` or `policy` is the changed one; neither for
+    `ROLL_CHANGE`, which nothing here can make.
     """
 
     candidate: Candidate

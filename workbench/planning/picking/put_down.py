@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain as one_by_one
 from itertools import groupby
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -149,12 +150,12 @@ def _straight(
         found += [
             (s, q, T_world_tcp) for s, q in zip(between(solved, stops, pace), solved, strict=True)
         ]
-    found.sort(key=lambda found_pose: found_pose[0])
+    found.sort(key=itemgetter(0))
     soonest: list[tuple[float, Floats, pin.SE3]] = []
     for _, q, T_world_tcp in found[:DRAWN]:
         nearer = draw_towards(chain, T_world_tcp, q[None], stops, pace)
         soonest.append((float(between(nearer, stops, pace)[0]), nearer[0], T_world_tcp))
-    for _, q, T_world_tcp in sorted(soonest + found, key=lambda found_pose: found_pose[0]):
+    for _, q, T_world_tcp in sorted(soonest + found, key=itemgetter(0)):
         T_world_before = _back(T_world_tcp, hands.way)
         path, share = follow(chain, world.motion.rounded(q), T_world_before, policy.straight_points)
         if share < 1.0:
@@ -276,7 +277,7 @@ def find_configurations_at_places(
         # That which came nearest to being right: where the arm is meant, by how much is known.
         nearest = max(met, key=lambda verdict: (verdict.q is not None, verdict.distance or 0.0))
         return PlaceConfigurations([], replace(nearest, note=note))
-    away, q = min(far, key=lambda found_pose: found_pose[0])
+    away, q = min(far, key=itemgetter(0))
     return PlaceConfigurations([], Verdict(Reason.NO_PLACE, Stage.PLACE, None, away, q, note))
 
 

@@ -29,6 +29,9 @@ from workbench.proof.engine.robot import Tree
 LEAST_HEIGHT = 0.001
 """[m] How high the content of a bin counts at least."""
 
+SEEN_IN_WALL = 0.003
+"""[m] By how much a thing may seem to stand in a wall that it only touches: a scan is not exact."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Content:
@@ -50,14 +53,15 @@ class Content:
 def content_of(cell: Cell, scene: Scene) -> Content:
     """The boxes that stand for all that lies in the bin of a scene, and for parts over its walls.
 
-    An obstacle lies in the bin if it is wholly between the walls, and no higher than the rim or a
-    part upright on the highest one.  What hangs over the bin, or lies across a wall, does not.
+    An obstacle lies in the bin if it is wholly between the walls, to `SEEN_IN_WALL`, and no higher
+    than the rim or a part upright on the highest one.  What hangs over the bin, or lies on a wall,
+    does not.
     """
     kinds = [part.name for part in cell.parts]
     parts = [_extent_of_part(cell, found) for found in scene.detections]
     highest = max((float(extent[2]) for extent in parts), default=0.0)
     rim = max(float(cell.bin.size[2]), float(filled_bin(cell, highest, kinds).size[2]))
-    room = np.array([*(cell.bin.size[:2] / 2 + cell.bin.wall), rim])
+    room = np.array([*(cell.bin.size[:2] / 2 + SEEN_IN_WALL), rim])
     inside: list[Floats] = []
     others: list[Obstacle] = []
     for seen in scene.obstacles:

@@ -362,7 +362,7 @@ class Walk:
             return min(
                 (float(question.found.bounds.min()) for question in free), default=SIGHT
             ), None
-        state, where = min(measured, key=lambda distance: distance[0].distance)
+        state, where = min(measured, key=lambda asked: asked[0].distance)
         within = state.distance
         for asked in free:
             close = asked.found.bounds < within - TIGHT

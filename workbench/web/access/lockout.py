@@ -63,7 +63,7 @@ class Lockout:
             browser: what `remember` has given to it, if anything.
 
         Returns:
-            What to hand to `succeeded`; or that there were too many.
+            What to hand to `note_success`; or that there were too many.
         """
         subjects = _subjects(address, name)
         if browser and self._is_of(browser, name):
