@@ -14,7 +14,9 @@ def searched(
 ) -> LocalizationResult:
     """All that the search for one part brings."""
     alone = replace(cell, parts=(part,))
-    return localize_parts(scan, alone, seed=seed, detail=1.0, report=report, cancelled=cancelled)
+    return localize_parts(
+        scan, alone, seed=seed, detail=1.0, report=report, cancelled=cancelled
+    ).result
 
 
 def localize(scan: Scan, part: Part, cell: Cell, **how) -> tuple[Detection, ...]:

@@ -74,7 +74,7 @@ def test_both_compartments_of_the_page_are_picked_from_beside_their_divider(fold
     scan = synthesize(cell, truth, seed=4)
     found = localize_parts(
         scan, cell, seed=4, detail=1.0, report=silent, cancelled=never
-    ).detections
+    ).result.detections
     off = [
         min(np.linalg.norm(a.T_world_part.translation - b.T_world_part.translation) for b in truth)
         for a in found
@@ -120,7 +120,7 @@ def test_far_from_the_regions_nothing_is_searched_and_the_cloud_is_an_obstacle(f
     scan = synthesize(cell, truth, seed=5)
     (found,) = localize_parts(
         scan, cell, seed=5, detail=1.0, report=silent, cancelled=never
-    ).detections
+    ).result.detections
     assert np.linalg.norm(found.T_world_part.translation - truth[0].T_world_part.translation) < 1e-3
     boxes = unexplained(cell, scan, (found,))
     away = [

@@ -45,7 +45,7 @@ def test_parts_on_a_table_are_found_and_the_plan_holds_before_the_judge(kind, tm
     scan = synthesize(cell, pile, seed=7)
     found = localize_parts(
         scan, cell, seed=7, detail=1.0, report=silent, cancelled=never
-    ).detections
+    ).result.detections
     told, _ = compare(cell.parts, pile, found)
     assert all(one.is_right for one in told) and len(found) >= 4
     obstacles = unexplained(cell, scan, found)
@@ -66,6 +66,6 @@ def test_a_part_that_reaches_over_the_side_is_found(tmp_path):
     scan = synthesize(cell, (moved,), seed=3)
     (found,) = localize_parts(
         scan, cell, seed=3, detail=1.0, report=silent, cancelled=never
-    ).detections
+    ).result.detections
     off = found.T_world_part.translation - moved.T_world_part.translation
     assert np.linalg.norm(off) < 0.001

@@ -68,10 +68,10 @@ class PointPairs:
     ) -> LocalizationResult:
         """All parts of all kinds that the cell picks."""
         from workbench.perception.colours.telling import resolve_by_colour
-        from workbench.perception.localization.kinds import localize_parts
+        from workbench.perception.localization.kinds import SearchedView, localize_parts
         from workbench.perception.localization.several_views import localize_in_views
 
-        def localize(view: Scan, report: Report) -> LocalizationResult:
+        def localize(view: Scan, report: Report) -> SearchedView:
             return localize_parts(
                 view,
                 cell,
@@ -82,4 +82,4 @@ class PointPairs:
                 resolve_by_colour=resolve_by_colour,
             )
 
-        return localize_in_views(scan, cell, localize, detail=detail, report=report)
+        return localize_in_views(scan, localize, report)

@@ -102,7 +102,9 @@ def test_brackets_are_found_by_a_camera_that_eats_their_outlines(cell, monkeypat
     scan = eaten(cell, scan, 2)
 
     def found_and_wrong() -> tuple[int, int]:
-        result = localize_parts(scan, cell, seed=7401, detail=1.0, report=silent, cancelled=never)
+        result = localize_parts(
+            scan, cell, seed=7401, detail=1.0, report=silent, cancelled=never
+        ).result
         judged, is_found = compare((bracket,), truth, result.detections)
         return sum(is_found), sum(not one.is_right for one in judged)
 

@@ -34,7 +34,7 @@ def lying(cell, bracket):
 def found(cell, part, scan):
     return localize_parts(
         scan, replace(cell, parts=(part,)), seed=0, detail=1.0, report=silent, cancelled=never
-    )
+    ).result
 
 
 def right(result, truth, part):

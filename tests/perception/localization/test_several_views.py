@@ -10,12 +10,15 @@ from workbench.model.cell import Cell
 from workbench.model.derived.by_view import by_each_view
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, LocalizationResult, Objection, Scan
+from workbench.perception.localization.kinds import SearchedView
+from workbench.perception.localization.localize import begin_search
 from workbench.perception.localization.several_views import localize_in_views
 from workbench.perception.scene.merging import merged
+from workbench.perception.scene.scene_model import scene_model
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.plugins.localizer import find_parts
-from workbench.plugins.progress import silent
+from workbench.plugins.progress import Report, silent
 
 PARTS = 5
 
@@ -36,12 +39,23 @@ def whole(cell: Cell, truth: tuple[Detection, ...]) -> Scan:
     return merged(cell, merged(cell, None, high, "bin"), low, "low")
 
 
+def smaller(cell: Cell) -> Cell:
+    """The cell with parts of 85% of their size."""
+    (part,) = cell.parts
+    mesh = replace(part.mesh, points=0.85 * part.mesh.points, pieces=())
+    return replace(cell, parts=(replace(part, mesh=mesh),))
+
+
 def search(cell: Cell, whole: Scan, *brought: tuple[Detection, ...]) -> LocalizationResult:
     """What comes of it where the search in each view brings these, one after the other."""
     results = iter(LocalizationResult(detections) for detections in brought)
-    return localize_in_views(
-        whole, cell, lambda scan, report: next(results), detail=1.0, report=silent
-    )
+
+    def localize(scan: Scan, report: Report) -> SearchedView:
+        scene = scene_model(scan, cell)
+        searches = [begin_search(scan, p, cell, detail=1.0, scene=scene) for p in cell.parts]
+        return SearchedView(next(results), tuple(searches))
+
+    return localize_in_views(whole, localize, silent)
 
 
 def test_a_part_that_both_views_show_is_one(cell, truth, whole):
@@ -81,3 +95,12 @@ def test_the_usual_search_finds_the_parts_in_the_merged_scan(cell, truth, whole)
         assert min(np.linalg.norm(one.T_world_part.translation - p) for p in places) < 0.003
     assert len(found.detections) == PARTS
     assert shares == sorted(shares) and shares[-1] <= 1.0
+
+
+def test_views_are_compared_by_the_size_that_their_searches_found(cell):
+    small = smaller(cell)
+    truth = pile_of(small, "", PARTS, seed=2)
+    high, low = (synthesize(each, truth, seed=2) for each in by_each_view(small))
+    both = merged(cell, merged(cell, None, high, "bin"), low, "low")
+    assert len(search(small, both, truth, ()).detections) == PARTS
+    assert len(search(cell, both, truth, ()).detections) < PARTS

@@ -68,7 +68,9 @@ def allow_eaten_outlines(found: list[PartSearch], compete: Compete) -> list[Part
             for search, before in zip(grown, found, strict=True)
         ],
     )
-    return grown if measure_explained(grown) > measure_explained(found) else found
+    # Both over what the scan itself shows: without some background, less has to be explained.
+    scan = found[0].depth_map
+    return grown if measure_explained(grown, scan=scan) > measure_explained(found) else found
 
 
 def _widths(search: PartSearch) -> list[float]:

@@ -73,7 +73,7 @@ def find_coarse_poses(
     *,
     seed: int,
 ) -> Floats:
-    """The best poses (k, 4, 4) [m] that a few points vote for, fitted once; see `find_hypotheses`."""
+    """The best poses (k, 4, 4) [m] by the votes of a few points; see `find_hypotheses`."""
     voted = _vote(coarse_map, surface, tolerance, is_possible, LITTLE_EFFORT, (seed, len(EFFORTS)))
     return _fit(coarse_map, surface, voted[:FEW_VOTED], tolerance)[:FEW_FITTED]
 

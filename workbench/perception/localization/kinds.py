@@ -94,6 +94,17 @@ ResolveByColour = Callable[[Scan, Sequence[PartSearch]], list[PartSearch]]
 """Tells kinds and turns apart that shape does not: the searches again, with other choices."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchedView:
+    """What one view shows, and the searches as they ended: sizes and tolerances may have changed.
+
+    There is no search for a kind where the view shows nothing in the bin.
+    """
+
+    result: LocalizationResult
+    searches: tuple[PartSearch, ...]
+
+
 def localize_parts(
     scan: Scan,
     cell: Cell,
@@ -103,7 +114,7 @@ def localize_parts(
     report: Report,
     cancelled: Cancelled,
     resolve_by_colour: ResolveByColour = lambda _, brought: list(brought),
-) -> LocalizationResult:
+) -> SearchedView:
     """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
     steps = count()
 
@@ -140,13 +151,15 @@ def localize_parts(
             for (search, doubted), pixels, is_its_turn in zip(apart, taken, turns, strict=True)
         ]
         compete(found, proposed, closely)
-    searches = iter(resolve_by_colour(scan, found))
-    return merged(
+    found = resolve_by_colour(scan, found)
+    searches = iter(found)
+    result = merged(
         together(
             scan,
             [next(searches) if isinstance(search, PartSearch) else search for search in brought],
         )
     )
+    return SearchedView(result, tuple(found))
 
 
 def _rounds(

@@ -18,6 +18,7 @@ from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTAN
 from workbench.perception.localization.judging import JudgedChoice, PartSearch, judge_choices
 from workbench.perception.localization.settling import refine_poses
 from workbench.perception.matching.bending import measure_slope
+from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import look
 
@@ -76,18 +77,22 @@ def relax_tolerance(found: list[PartSearch], compete: Compete) -> list[PartSearc
 
 
 def measure_explained(
-    found: Sequence[PartSearch], judged: Sequence[JudgedChoice] | None = None
+    found: Sequence[PartSearch],
+    judged: Sequence[JudgedChoice] | None = None,
+    *,
+    scan: DepthMap | None = None,
 ) -> float:
     """Share of what lies in the bin that the parts which stand explain, 0..1.
 
     Args:
         found: the searches of all kinds.
         judged: which parts stand, if that is known.
+        scan: what shows what lies there, if not the first search's map.
     """
     if not found:
         return 1.0
     judged = judge_choices(found) if judged is None else judged
-    depth_map = found[0].depth_map
+    depth_map = found[0].depth_map if scan is None else scan
     covered: Bools = np.zeros(depth_map.depth.size, np.bool_)
     for search, standing in zip(found, judged, strict=True):
         for part in standing.choice.chosen:

@@ -6,16 +6,18 @@ what one has found is held against all others: none of them may look through it.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
-from workbench.model.cell import Cell
 from workbench.model.derived.by_view import scans_by_view
 from workbench.model.scan import (
     Detection,
     LocalizationResult,
     Objection,
+    OffsetCheck,
     RejectedHypothesis,
+    ScaleCheck,
     Scan,
 )
 from workbench.perception.localization.choice import (
@@ -25,21 +27,24 @@ from workbench.perception.localization.choice import (
     reaches_into,
 )
 from workbench.perception.localization.judging import PartSearch
-from workbench.perception.localization.localize import MOST_REJECTED, begin_search
+from workbench.perception.localization.kinds import SearchedView
+from workbench.perception.localization.localize import MOST_REJECTED
 from workbench.perception.matching.sightings import Sighting, look
-from workbench.perception.parts.part_surface import prepare
-from workbench.perception.scene.scene_model import scene_model
+from workbench.perception.parts.part_surface import PartSurface
 from workbench.plugins.progress import Report
 
-Localize = Callable[[Scan, Report], LocalizationResult]
+Localize = Callable[[Scan, Report], SearchedView]
 """The search in one view, which reports how far it is."""
+
+Check = TypeVar("Check", ScaleCheck, OffsetCheck)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Found:
-    """A detection, how all views see it, and the area [m^2] that speaks for it in all of them."""
+    """A detection, its surface, how all views see it, and the area [m^2] that speaks for it."""
 
     detection: Detection
+    surface: PartSurface
     sightings: tuple[Sighting, ...]
     gain: float
 
@@ -53,33 +58,29 @@ class _Found:
         )
 
 
-def localize_in_views(
-    scan: Scan, cell: Cell, localize: Localize, *, detail: float, report: Report
-) -> LocalizationResult:
+def localize_in_views(scan: Scan, localize: Localize, report: Report) -> LocalizationResult:
     """All parts that the views of a scan show; see `plugins.localizer.Localizer.find`.
 
     Args:
         scan: merged from several views, or of one.
-        cell: its parts say what to look for.
         localize: searches one view.
-        detail: how fine it searches; 1 is usual.
         report: progress.
     """
     scans = scans_by_view(scan)
     if len(scans) == 1:
-        return localize(scan, report)
-    results = [
+        return localize(scan, report).result
+    views = [
         localize(
             each,
             lambda done, note, number=number: report((number + done) / len(scans), note),
         )
         for number, each in enumerate(scans)
     ]
-    searches = _searches(scans, cell, detail)
+    shapes = _shapes(views)
     every = [
-        _held_against(detection, scans, searches)
-        for result in results
-        for detection in result.detections
+        _held_against(detection, scans, views, shapes[detection.part])
+        for view in views
+        for detection in view.result.detections
     ]
     every.sort(key=lambda found: -found.gain)
     kept: list[_Found] = []
@@ -87,18 +88,27 @@ def localize_in_views(
     for found in every:
         if found.is_looked_through:
             rejected.append((found, Objection.FREE_SPACE, None))
-        elif rival := next((other for other in kept if _is_one_place(cell, other, found)), None):
+        elif rival := next((other for other in kept if _is_one_place(other, found)), None):
             rejected.append((found, Objection.TWIN, rival))
         else:
             kept.append(found)
     order = sorted(kept, key=lambda found: -found.detection.score)
-    others = (replace(each, rival=None) for result in results for each in result.rejected)
-    return replace(
-        # The sizes of parts are those that the last view shows.
-        results[-1],
+    others = (replace(each, rival=None) for view in views for each in view.result.rejected)
+    return LocalizationResult(
         detections=tuple(found.detection for found in order),
         rejected=(*(_reject(*each, order) for each in rejected), *others)[:MOST_REJECTED],
+        scales=_by_most([scale for view in views for scale in view.result.scales]),
+        offsets=_by_most([offset for view in views for offset in view.result.offsets]),
     )
+
+
+def _by_most(checks: Sequence[Check]) -> tuple[Check, ...]:
+    """For each kind of part the check of the view in which most parts show it."""
+    best: dict[str, Check] = {}
+    for check in checks:
+        if check.part not in best or check.count > best[check.part].count:
+            best[check.part] = check
+    return tuple(best.values())
 
 
 def _reject(
@@ -109,39 +119,35 @@ def _reject(
     return RejectedHypothesis(detection.part, detection.T_world_part, detection.score, why, place)
 
 
-def _searches(scans: Sequence[Scan], cell: Cell, detail: float) -> list[dict[str, PartSearch]]:
-    """The maps of each view for each kind of part, as far as it shows anything in the bin."""
-    smallest = min((prepare(part).diameter for part in cell.parts), default=0.0)
-    found: list[dict[str, PartSearch]] = []
-    for scan in scans:
-        scene = scene_model(scan, cell, smallest=smallest)
-        begun = {
-            part.name: begin_search(scan, part, cell, detail=detail, scene=scene)
-            for part in cell.parts
-        }
-        found.append({name: of for name, of in begun.items() if isinstance(of, PartSearch)})
-    return found
+def _shapes(views: Sequence[SearchedView]) -> dict[str, PartSearch]:
+    """For each kind the search of the view that has found most of it: its size and tolerance."""
+    best: dict[str, PartSearch] = {}
+    for search in (search for view in views for search in view.searches):
+        name = search.part.name
+        if name not in best or len(search.choice.chosen) > len(best[name].choice.chosen):
+            best[name] = search
+    return best
 
 
 def _held_against(
-    detection: Detection, scans: Sequence[Scan], searches: Sequence[dict[str, PartSearch]]
+    detection: Detection, scans: Sequence[Scan], views: Sequence[SearchedView], shape: PartSearch
 ) -> _Found:
     """A detection as each view sees it, whichever has found it."""
     sightings: list[Sighting] = []
     gain = 0.0
-    for scan, by_part in zip(scans, searches, strict=True):
-        search = by_part.get(detection.part)
-        if search is not None:
-            pose = scan.T_world_scanner.actInv(detection.T_world_part).homogeneous
-            seen = look(search.depth_map, search.surface, pose, search.tolerance)
-            sightings.append(seen)
-            gain += seen.gain * search.depth_map.pitch**2
-    return _Found(detection, tuple(sightings), gain)
+    for scan, view in zip(scans, views, strict=True):
+        for search in view.searches:
+            if search.part.name == detection.part:
+                pose = scan.T_world_scanner.actInv(detection.T_world_part).homogeneous
+                seen = look(search.depth_map, shape.surface, pose, shape.tolerance)
+                sightings.append(seen)
+                gain += seen.gain * search.depth_map.pitch**2
+    return _Found(detection, shape.surface, tuple(sightings), gain)
 
 
-def _is_one_place(cell: Cell, first: _Found, other: _Found) -> bool:
+def _is_one_place(first: _Found, other: _Found) -> bool:
     """Whether two parts are at one place, as no two parts can be."""
-    one, two = (prepare(cell.part(found.detection.part)) for found in (first, other))
+    one, two = first.surface, other.surface
     T_one_two = first.detection.T_world_part.actInv(other.detection.T_world_part)
     apart = float(np.linalg.norm(T_one_two.act(two.middle) - one.middle))
     if apart < SAME_PLACE * min(one.diameter, two.diameter):

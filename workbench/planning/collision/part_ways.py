@@ -169,7 +169,7 @@ class PartWays:
         return self._measure_begin(number, way)[0]
 
     def is_pushed(self, number: int, way: Floats) -> bool:
-        """Whether a part comes nearer than `distances_to_keep` to something in the first mm of its way.
+        """Whether a part comes nearer to something than `distances_to_keep` on its first mm.
 
         Args:
             number: of the detection.

@@ -308,8 +308,8 @@ class World:
 
         Returns:
             Where a part in the hand is deepest in what it lies on, if that is deeper than the
-            policy's `sink`: its pose is wrong (of unknown rolls: `PartWays.find_snag`); or where tool
-            or flange is deepest in its slot, if that is deeper than `DEEPEST_IN_SLOT`.
+            policy's `sink`: its pose is wrong (of unknown rolls: `PartWays.find_snag`).  Or where
+            tool or flange is deepest in its slot, if that is deeper than `DEEPEST_IN_SLOT`.
         """
         pairs, _, _ = self._close(q, self._still, 0.0, None)
         also = [k for name in fixtures for k in self.with_fixture(name) if self.pairs.couples[k]]
