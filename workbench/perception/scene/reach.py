@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from workbench.model.cell import Arm, Cell, Tool
-from workbench.model.geometry import Box, Capsule, Cylinder, Shape, Solid, Sphere
+from workbench.model.geometry import Solid
 
 
 def reach(cell: Cell) -> float:
@@ -37,32 +37,9 @@ def _tools(arm: Arm) -> tuple[Tool, ...]:
 
 def _hand(tool: Tool) -> float:
     """How far a tool gets from its flange [m]."""
-    tip = float(np.linalg.norm(tool.T_flange_tcp.translation))
-    fingers = _extent(finger.solid for finger in tool.fingers) + tool.stroke[1]
-    return max(tip, _extent(tool.body), fingers)
+    return max(tool.reach, float(np.linalg.norm(tool.T_flange_tcp.translation)))
 
 
 def _extent(solids: Iterable[Solid]) -> float:
     """How far solids get from their owner's frame [m]."""
-    return max(
-        (
-            float(np.linalg.norm(solid.T_owner_shape.translation)) + _radius(solid.shape)
-            for solid in solids
-        ),
-        default=0.0,
-    )
-
-
-def _radius(shape: Shape) -> float:
-    """Of a ball around the shape's frame that holds it [m]."""
-    match shape:
-        case Box(size=size):
-            return float(np.linalg.norm(size)) / 2
-        case Cylinder(radius=radius, length=length):
-            return float(np.hypot(radius, length / 2))
-        case Capsule(radius=radius, length=length):
-            return radius + length / 2
-        case Sphere(radius=radius):
-            return radius
-        case _:
-            return float(np.linalg.norm(shape.points, axis=1).max())
+    return max((solid.reach for solid in solids), default=0.0)
