@@ -162,6 +162,18 @@ def test_of_fixtures_that_disagree_none_is_believed():
     assert drift_of([*still, *moved], PRIOR, 0.9).drifted == ()
 
 
+def test_of_three_fixtures_the_one_that_disagrees_with_both_others_is_left_out():
+    def raised(day):
+        return [0, 0, 1e-3 * (day > 6), 0, 0, 0]
+
+    sightings = [
+        *days(14, raised, thing="table", seed=0),
+        *days(14, raised, thing="frame", seed=1),
+        *days(14, lambda day: np.zeros(6), thing="tray", seed=2),
+    ]
+    assert drift_of(sightings, PRIOR, 0.9).drifted == ("frame", "table")
+
+
 @pytest.mark.parametrize("count", [0, 1, 3])
 def test_few_days_say_nothing(count):
     sightings = days(count, lambda day: [0, 0, 1e-3 * day, 0, 0, 0])

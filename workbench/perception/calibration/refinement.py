@@ -69,8 +69,11 @@ def drift_of(sightings: Sequence[ThingSighting], prior: Floats, distance: float)
     """
     drifts = courses(sightings)
     fixed = [course for course in drifts if course.kind == "fixture"]
+    # What was pushed disagrees with most of the others; of two that disagree either may be it.
     steady = [
-        course for course in fixed if not any(_disagree(course, other).any() for other in fixed)
+        course
+        for course in fixed
+        if 2 * sum(_disagree(course, other).any() for other in fixed) <= len(fixed) - 1
     ]
     has_drifted = any(course.is_significant.any() for course in steady)
     put_down = _recent([sighting for sighting in sightings if sighting.kind == "part"], has_drifted)
