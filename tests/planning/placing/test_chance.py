@@ -10,7 +10,7 @@ from workbench.model.geometry import Box, Cylinder, Sphere
 from workbench.model.part import PartPlace
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry, SymmetryAxis
-from workbench.planning.placing.chance import draw_errors, select_counted, within
+from workbench.planning.placing.chance import Counted, draw_errors, select_counted, within
 
 HERE = pin.SE3.Identity()
 Z = np.array([0.0, 0.0, 1.0])
@@ -80,3 +80,12 @@ def test_at_a_place_for_any_turn_none_about_its_z_counts():
     turn = np.array([[0.0, 0.0, 0.0, 0.0, 0.1, 0.3]])
     assert select_counted(box(), found(), anyhow).off(turn)[1] == pytest.approx(0.1)
     assert select_counted(box(), found(), PLACE).off(turn)[1] == pytest.approx(np.hypot(0.1, 0.3))
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3])
+def test_turns_about_free_axes_count_nothing_however_they_lean(count):
+    axes = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.0, 1.0]])[:count]
+    what = Counted(np.zeros(3), axes)
+    turns = np.vstack([axes, [[0.0, 1.0, 0.0]]])
+    _, left = what.off(np.hstack([np.zeros_like(turns), turns]))
+    np.testing.assert_allclose(left, [*np.zeros(count), 1.0], atol=1e-12)

@@ -97,7 +97,7 @@ def firmness(contacts: Contacts, centre: Floats, mass: float, acceleration: floa
         contacts: of the grip.
         centre: of mass (3,) [m], TCP frame.
         mass: [kg].
-        acceleration: [m/s2] of the hand, in any direction.
+        acceleration: [m/s2] that acts on the part, in whichever direction is worst.
 
     Returns:
         Share 0 where the grip holds nothing at all.

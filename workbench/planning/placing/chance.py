@@ -23,14 +23,15 @@ class Counted:
     """What of an error makes a difference, in the part's frame.
 
     The error is that of `point` (3,) [m] of the part, and of its turn, but for turns about each of
-    `free` (k, 3), no unit, which change nothing.
+    `free` (k, 3), no unit, which change nothing; they become unit vectors across each other.
     """
 
     point: Floats
     free: Floats
 
     def __post_init__(self) -> None:
-        put(self, point=frozen(self.point), free=frozen(self.free).reshape(-1, 3))
+        _, sizes, across = np.linalg.svd(self.free.reshape(-1, 3), full_matrices=False)
+        put(self, point=frozen(self.point), free=frozen(across[sizes > 1e-9]))
 
     def off(self, errors: Floats) -> tuple[Floats, Floats]:
         """How far the part is shifted (n,) [m] and turned (n,) [rad].
