@@ -6,7 +6,13 @@ import pytest
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.execution import compute_times
-from workbench.planning.kinematics.quickness import LEAST_GAIN, Pace, between, draw_towards, pace_of
+from workbench.planning.kinematics.quickness import (
+    LEAST_GAIN,
+    Pace,
+    draw_towards,
+    pace_of,
+    seconds_to_all,
+)
 
 TURN = Pace(np.array([1.0, 2.0]), np.array([4.0, 4.0]))
 
@@ -60,7 +66,10 @@ def test_drawn_configurations_hold_the_tool_as_before_and_are_sooner_at_home(cel
         for one in nearer:
             assert chain.pose(one).isApprox(T, 1e-5)
         assert np.all((nearer >= chain.lower - 1e-12) & (nearer <= chain.upper + 1e-12))
-        before, after = between(q, home[None], pace), between(nearer, home[None], pace)
+        before, after = (
+            seconds_to_all(q, home[None], pace),
+            seconds_to_all(nearer, home[None], pace),
+        )
         assert np.all(after <= before)
         is_same = np.all(nearer == q, axis=1)
         assert np.all(before[~is_same] - after[~is_same] > LEAST_GAIN)

@@ -19,13 +19,13 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.calibrating.pairs import calibrate_by_pairs, is_pairs
 from workbench.cli.calibrating.report import (
-    between,
     format_numbers,
     in_cell_form,
     in_flange,
     poses_form,
     print_in_cell,
     print_poses,
+    words_of_motion,
 )
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_whole, print_json, progress
@@ -102,7 +102,7 @@ def calibrate(typed: arguments.Calibrate) -> int:
             _print_next(cell, cell.arm(found.arm), following)
         if typed.simulate:
             off = _true_pose(cell).actInv(calibration.T_world_scanner)
-            print(f"off the truth of this simulation: {between(off)}")
+            print(f"off the truth of this simulation: {words_of_motion(off)}")
     if typed.save:
         _save(typed, cell, calibration)
     if typed.write is not None:

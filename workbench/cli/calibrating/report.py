@@ -73,7 +73,7 @@ def print_in_cell(cell: Cell, calibration: Calibration) -> None:
     before = cell.scanner.T_world_scanner.actInv(T)
     shift = moved_by(cell, calibration)[2]
     print(
-        f"from where the cell has it: {between(before)}; what lies in the bin moves by "
+        f"from where the cell has it: {words_of_motion(before)}; what lies in the bin moves by "
         f"{shift * 1000:.2f} mm"
     )
 
@@ -139,7 +139,7 @@ def _round(off: tuple[float, float] | None, which: int) -> float | None:
     return round(float((off[0] * 1000, np.rad2deg(off[1]))[which]), 4)
 
 
-def between(T: pin.SE3) -> str:
+def words_of_motion(T: pin.SE3) -> str:
     """A motion for people."""
     distance, angle = shift_and_turn(T)
     return f"{distance * 1000:.2f} mm and {np.rad2deg(angle):.3f} degrees"

@@ -113,7 +113,7 @@ def tool_acceleration(cell: Cell, tool: Tool) -> float | None:
     )
 
 
-def between(q: Floats, stops: Floats, pace: Pace) -> Floats:
+def seconds_to_all(q: Floats, stops: Floats, pace: Pace) -> Floats:
     """What it takes at least from each of `q` (k, n) [rad] to all of `stops` (s, n): (k,) [s]."""
     return pace.seconds(q[:, None] - stops).sum(axis=1)
 

@@ -10,7 +10,7 @@ LARGEST_STEP = 0.6
 """[rad] Between two points of a straight leg no joint may turn further: that would be a flip."""
 
 
-def between(T_a: pin.SE3, T_b: pin.SE3, share: float) -> pin.SE3:
+def pose_on_line(T_a: pin.SE3, T_b: pin.SE3, share: float) -> pin.SE3:
     """The pose at `share` 0..1 of the way: position straight, rotation about one fixed axis."""
     R = T_a.rotation @ pin.exp3(share * pin.log3(T_a.rotation.T @ T_b.rotation))
     return pin.SE3(R, (1 - share) * T_a.translation + share * T_b.translation)
@@ -29,7 +29,7 @@ def follow(
     path = [np.asarray(q_start)]
     for k in range(1, points):
         share = k / (points - 1)
-        T = between(T_start, T_world_end, share)
+        T = pose_on_line(T_start, T_world_end, share)
         answers, residuals = chain.solve(T, path[-1][None], iterations=30)
         if not is_solution(residuals)[0] or np.abs(answers[0] - path[-1]).max() > LARGEST_STEP:
             return np.array(path), (k - 1) / (points - 1)

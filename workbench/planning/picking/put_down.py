@@ -25,7 +25,7 @@ from workbench.planning.collision.unknown_rolls import axis_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 from workbench.planning.kinematics.inverse import configurations
-from workbench.planning.kinematics.quickness import between, draw_towards, pace_of
+from workbench.planning.kinematics.quickness import draw_towards, pace_of, seconds_to_all
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.leaving import find_contact_after_release, is_around
 from workbench.planning.placing.assembling import arm_placing
@@ -148,13 +148,14 @@ def _straight(
     for T_world_tcp in hands.Ts_world_tcp:
         solved = configurations(chain, T_world_tcp, starts).q
         found += [
-            (s, q, T_world_tcp) for s, q in zip(between(solved, stops, pace), solved, strict=True)
+            (s, q, T_world_tcp)
+            for s, q in zip(seconds_to_all(solved, stops, pace), solved, strict=True)
         ]
     found.sort(key=itemgetter(0))
     soonest: list[tuple[float, Floats, pin.SE3]] = []
     for _, q, T_world_tcp in found[:DRAWN]:
         nearer = draw_towards(chain, T_world_tcp, q[None], stops, pace)
-        soonest.append((float(between(nearer, stops, pace)[0]), nearer[0], T_world_tcp))
+        soonest.append((float(seconds_to_all(nearer, stops, pace)[0]), nearer[0], T_world_tcp))
     for _, q, T_world_tcp in sorted(soonest + found, key=itemgetter(0)):
         T_world_before = _back(T_world_tcp, hands.way)
         path, share = follow(chain, world.motion.rounded(q), T_world_before, policy.straight_points)
