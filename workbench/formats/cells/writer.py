@@ -271,9 +271,8 @@ def _mapping(cell: Cell, arm: Arm) -> Iterator[str]:
     if arm.mapping is None:
         return
     slides = [cell.robot.joint(arm.joints[k]).kind == "prismatic" for k in arm.axis_order]
-    rows = ", ".join(numbers(row) for row in arm.mapping.coupling)
     offsets = arm.mapping.offsets * np.where(slides, 1000, 180 / np.pi)
-    yield f"axis_coupling = [{rows}]"
+    yield f"axis_coupling = [{', '.join(map(numbers, arm.mapping.coupling))}]"
     yield f"axis_offsets = {numbers(np.round(offsets, 6))}"
 
 
