@@ -136,7 +136,7 @@ def _rows(schema: Schema) -> Iterator[str]:
         if key not in hidden and not _has_section(form)
     }
     yield from [""] if forms else ()
-    for key, form in forms.items():
+    for key, form in sorted(forms.items(), key=lambda item: item[0] != "name"):
         if form.get("type") == "object" and key == "options":
             continue
         usual = "*needed*" if key in schema["required"] else _usual(form)

@@ -4,6 +4,7 @@
 """
 
 import ast
+import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -13,7 +14,7 @@ WIDTH = 26
 
 
 def tree() -> str:
-    """A line for each layer, and for each folder in it: its subject."""
+    """A line for each layer, and for each folder in it: its subject, without the details."""
     lines: list[str] = []
     for layer in sorted((ROOT / "workbench").glob("*/__init__.py")):
         lines.append(_line(layer.parent, 0))
@@ -25,7 +26,8 @@ def _line(folder: Path, depth: int) -> str:
     text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) or ""
     name = f"{'  ' * depth}{folder.name}/"
     # The table of layers on the page says what they are for.
-    return f"{name:{WIDTH}}{text.splitlines()[0] if depth else ''}".rstrip()
+    subject = re.split("[:;]", text.splitlines()[0].rstrip("."))[0] if depth else ""
+    return f"{name:{WIDTH}}{subject}".rstrip()
 
 
 def whole(page: str) -> str:

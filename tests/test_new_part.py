@@ -1,4 +1,4 @@
-"""The page "A new part in ten minutes", followed literally."""
+"""The page "A new part ", followed literally."""
 
 import os
 import re

@@ -82,7 +82,9 @@ def test_home_is_shown_as_a_controller_shows_it_that_counts_in_its_own_way(say, 
     folder = shutil.copytree(find("robots", "tx2_90"), tmp_path / "cell")
     path = folder / "pick_server.toml"
     offsets = "[[arm]]\naxis_offsets = [0, -90, 0, 0, 0, 0]\n"
-    path.write_text(path.read_text().replace("[[arm]]\n", offsets))
+    text = path.read_text().replace("[[arm]]\n", offsets)
+    assert "home_deg = [0, 0, 90," in text
+    path.write_text(text.replace("home_deg = [0, 0, 90,", "home_deg = [0, -90, 90,"))
     said = say("cell", "check", path)
     assert "axes before axis_coupling and axis_offsets" in said.out
     assert "home as the controller shows it: 0, -90, 90, 0, 90, 0" in said.out

@@ -52,11 +52,6 @@ def test_every_line_of_the_page_is_one_that_is_read_and_written():
             assert answer_bytes(Form(), int(words[0]), *words[1:]) == f"{text}\n".encode()
 
 
-def test_the_bytes_of_the_page_are_those_of_its_first_line():
-    wire = re.search(r"```text\nbytes\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]
-    assert bytes.fromhex(wire) == f"{talk()[0][1]}\n".encode()
-
-
 def test_the_page_lists_every_job_by_its_number():
     text = PAGE.read_text(encoding="utf-8")
     for number, job in enumerate(JOBS):

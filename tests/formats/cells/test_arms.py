@@ -1,12 +1,14 @@
 """Arms of a cell file: any name, any number, and every mistake named."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from three_arms import NAMES, write_cell
 
+from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell as write_whole_cell
 from workbench.model.derived.controller_axes import from_controller, to_controller
@@ -223,6 +225,21 @@ def test_a_controller_that_couples_axes_shows_them_so_and_a_written_cell_keeps_i
     assert from_controller(cell.arms[0], np.deg2rad(shown)) == pytest.approx(q)
     again = read_cell(write_whole_cell(tmp_path / "again", cell, {}).parent)
     assert to_controller(again.arms[0], q) == pytest.approx(np.deg2rad(shown))
+    assert again.arms[0].home == pytest.approx(cell.arms[0].home)
+
+
+def test_home_is_typed_as_the_controller_shows_it(tmp_path: Path) -> None:
+    folder = with_keys(write_cell(tmp_path / "cell", ("manipulator",)), COUPLED)
+    text = (folder / "cell.toml").read_text(encoding="utf-8")
+    typed = "home_deg = [10, 120, -20, 40, 50, -120]"
+    text = re.sub(r"home_deg = .*", typed, text)
+    (folder / "cell.toml").write_text(text, encoding="utf-8")
+    cell = read_cell(folder)
+    axes = cell.arms[0].to_axes(cell.arms[0].home)
+    assert np.rad2deg(axes) == pytest.approx([10, 30, 10, 40, 50, 60])
+    moved = replace(cell.arms[0], home=np.deg2rad([0, 20, 0, 0, 30, 0]))
+    save_cell(folder / "cell.toml", replace(cell, arms=(moved,)))
+    assert read_cell(folder).arms[0].home == pytest.approx(np.asarray(moved.home))
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +18,9 @@ from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
 from workbench.model.derived.by_view import view_name, with_view
 from workbench.model.errors import FileError
+from workbench.model.robot import AxisMapping
 from workbench.planning.kinematics.robot import Kinematics
+from workbench.plugins.robot_link import spoken_to_by
 
 SHIPPED = find("robots", "yumi")
 JOINTS = "joints_deg = [-90.3, -33.9, 23.4, 81.2, 109.7, 17.7, 36]"
@@ -100,6 +103,27 @@ def test_a_view_is_stated_by_the_pose_of_the_scanner_as_well(spoil: Spoil) -> No
 def test_what_cannot_be_is_refused_by_its_key(spoil: Spoil, old: str, new: str, says: str) -> None:
     with pytest.raises(FileError, match=re.escape(says)):
         read_cell(spoil(old, new))
+
+
+def test_views_are_stated_as_a_controller_shows_them_that_counts_in_its_own_way(
+    tmp_path: Path,
+) -> None:
+    cell = read_cell(find("robots", "tx2_90") / "on_arm.toml")
+    (arm,), carrier = cell.arms, cell.scanner.on_arm
+    assert carrier is not None
+    coupling = np.eye(6)
+    coupling[2, 1] = -1
+    arm = replace(arm, mapping=AxisMapping(coupling, np.deg2rad([0, 90, 0, 0, 0, 0])))
+    counted = replace(spoken_to_by(cell, "pick-server"), arms=(arm,))
+    path = write_cell(tmp_path / "made", counted, {})
+    shutil.copytree(find("parts", "puck"), path.parent / "puck")
+    again = read_cell(path).scanner.on_arm
+    assert again is not None
+    assert np.allclose(again.view.q, carrier.view.q, atol=1e-5)
+    axes = np.rad2deg(arm.to_axes(carrier.view.q))
+    views = tomllib.loads(path.read_text(encoding="utf-8"))["scanner"]["on_arm"]["view"]
+    shown = axes + [0, 90, -axes[1], 0, 0, 0]
+    assert np.allclose((views if isinstance(views, dict) else views[0])["joints_deg"], shown)
 
 
 def test_a_written_cell_is_read_again(tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ from workbench.cli.arguments.names import (
     CellName,
     Json,
     Maybe,
-    PartName,
 )
 
 
@@ -58,7 +57,9 @@ class CellNew:
     tool: str = ""
     """What the arms carry to begin with: gripper, suction, or URDF or xacro of a tool; when not
     given the hand that hangs on the flange in the robot's own file, or else gripper."""
-    part: PartName = "keyed_cylinder"
+    part: Maybe[str] = None
+    """Name under parts/, or path of a part's folder; when not given keyed_cylinder, or puck where
+    no tool has fingers."""
     position_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Where the URDF's root link stands in the world."""
     mesh_unit: Maybe[Literal["m", "mm"]] = None

@@ -13,7 +13,8 @@ from workbench.cli.arguments.names import CellName, Json, Maybe, PartName
 class PartImport:
     """Make a part from a CAD file: STL, OBJ, PLY, GLB, GLTF, 3MF, DAE, STEP, or a zip of one.
 
-    Writes a folder with part.toml, the mesh in millimetres, and a grasps.toml to be filled.
+    Writes a folder with part.toml, the mesh in millimetres, and a grasps.toml by which
+    plans search grips.
     """
 
     file: Positional[Path]
@@ -105,7 +106,7 @@ class Grasps:
     """
 
     what: Positional[Literal["suggest"]]
-    """What to do."""
+    """What to do: suggest."""
     part: Positional[PartName]
     cell: CellName = "yumi"
     arm: Maybe[str] = None

@@ -21,7 +21,8 @@ class ScannerFit:
     """Point cloud, PLY or PCD, of the bin without the robot."""
     cell: CellName = "yumi"
     write: bool = False
-    """Write unit, axes and, if nobody has calibrated the scanner, its pose into the cell file."""
+    """Write unit, axes and range into the cell file and, if nobody has calibrated the scanner, its
+    pose."""
     bin: bool = False
     """With --write: write the bin's size as well, where another bin than the cell's is seen."""
     json: Json = False

@@ -20,7 +20,6 @@ from workbench.cli.arguments.names import (
     ListenOn,
     Maybe,
     OrderName,
-    PartName,
     PartOfPoses,
     RecipeNumber,
     Seed,
@@ -347,7 +346,9 @@ class Import:
     """Name of the thing that is the bin; otherwise one is put where the arms reach it."""
     tool: Literal["gripper", "suction"] = "gripper"
     """What the arms carry to begin with."""
-    part: PartName = "keyed_cylinder"
+    part: Maybe[str] = None
+    """Name under parts/, or path of a part's folder; when not given keyed_cylinder, or puck where
+    no tool has fingers."""
     json: Json = False
 
 

@@ -38,6 +38,9 @@ from workbench.studies.layout.bins import LaidOut, laid_out
 from workbench.studies.layout.flanges import mounts_of, named_mounts
 
 ACCELERATION_DEG = 600
+HELD, SUCKED = "keyed_cylinder", "puck"
+"""Parts of a first cell, by fingers and by suction cups, where nobody names one."""
+
 MOST_NAMED = 8
 """Files of a folder that are named in a message."""
 
@@ -45,11 +48,16 @@ ACCELERATION = (
     f"no file says how fast joints may accelerate: {ACCELERATION_DEG} degrees/s2 is assumed; "
     "acceleration_deg of each [[arm]] in cell.toml"
 )
+CONTROLLER = (
+    "no file names the controller: a simulated one is written, at 127.0.0.1; replace the whole "
+    "[controller] in cell.toml by that of your robot link or of the pick server"
+)
 MASS = (
     "no file says what the tool weighs, so the controller gets no load: mass_g of [[tool]] in "
     "cell.toml"
 )
-
+ASSUMED = (ACCELERATION, MASS, CONTROLLER)
+"""What no file of a robot states."""
 
 OTHER_HAND = (
     "with the hand on the flange there is no plan for this part in any bin, so the arms carry a "
@@ -89,7 +97,7 @@ def new_cell(typed: CellNew) -> int:
         )
         report(0.95, "writing the cell")
         path = write_cell(folder, found.cell, unchecked)
-    decisions = (*description.notes, *arms.notes, *tool_notes, ACCELERATION, MASS, *found.notes)
+    decisions = (*description.notes, *arms.notes, *tool_notes, *ASSUMED, *found.notes)
     made = Made(path, found.cell, arms.gone, excess, unchecked, decisions)
     print_report(made, as_json=typed.json)
     return SUCCESS
@@ -251,7 +259,8 @@ def _standing(typed: CellNew, cell: Cell, world: RobotInPlace) -> Cell:
 
 def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...], tools: tuple[Tool, ...]) -> Cell:
     """A cell with arms and tools; where everything else is comes later."""
-    part = read_part(find("parts", typed.part))
+    has_fingers = any(tool.fingers for tool in tools)
+    part = read_part(find("parts", typed.part or (HELD if has_fingers else SUCKED)))
     chains = [
         tuple(joint.name for joint in robot.chain(flange) if joint.kind != "fixed")
         for flange in flanges
@@ -272,7 +281,6 @@ def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...], tools: tuple[T
             ("right", "left"), flanges, chains, tools, strict=False
         )
     )
-    has_fingers = any(tool.fingers for tool in tools)
     size = np.array([0.2, 0.3, 0.05]) if has_fingers else np.array([0.3, 0.4, 0.1])
     return Cell(
         name=typed.name,

@@ -44,7 +44,7 @@ class PickOptions:
     ask_s: float = option(
         10.0, low=1.0, high=600.0, says="how long a plan waits to be asked for [s]"
     )
-    client: str = option("", says="the only address that may connect; empty: any of this computer")
+    client: str = option("", says="the robot's address, needed unless host is 127.0.0.1")
     poses: str = option(
         "none",
         among=("none", *CONVENTIONS),

@@ -79,8 +79,10 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
     signs = table.numbers("signs", count, [1] * count)
     if not np.all(np.abs(signs) == 1):
         raise table.error("signs", "may hold 1 and -1 only")
+    mapping = _mapping(table, [robot.joint(joints[k]).kind == "prismatic" for k in axis_order])
+    shown = np.deg2rad(table.numbers("home_deg", count, low=-720, high=720))
     home = np.empty(count)
-    home[axis_order] = np.deg2rad(table.numbers("home_deg", count, low=-720, high=720)) * signs
+    home[axis_order] = (shown if mapping is None else mapping.from_controller(shown)) * signs
     _check_home(table, robot, joints, home)
     of_tool, of_part, place_names = read_places(table)
     id_key = table.current_name("controller_id", "letter")
@@ -104,7 +106,7 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         tools=tuple(_known_tool(table, "tools", tool_name, tools) for tool_name in names),
         moving_mass=_moving_mass(table),
         tool_slots=read_slots(table, names),
-        mapping=_mapping(table, [robot.joint(joints[k]).kind == "prismatic" for k in axis_order]),
+        mapping=mapping,
     )
     table.finish()
     if not re.fullmatch(r"[A-Z]", arm.controller_id):

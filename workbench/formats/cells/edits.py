@@ -18,6 +18,7 @@ from workbench.formats.files.toml_documents import read_document, short, shorts
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.parts.grasp_files import are_written_alike
 from workbench.model.cell import Arm, Cell, Policy
+from workbench.model.derived.controller_axes import to_controller
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
@@ -214,7 +215,7 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
         edit_pose(table, fixture.T_world_fixture, other.T_world_fixture)
     for table, arm, other in zip(document["arm"], old.arms, new.arms, strict=True):
         if not np.array_equal(arm.home, other.home):
-            table["home_deg"] = shorts(np.rad2deg(other.to_axes(other.home)))
+            table["home_deg"] = shorts(np.rad2deg(to_controller(other, other.home)))
         _edit_places(table, arm, other)
 
 
@@ -224,7 +225,7 @@ def _keep_postures(table: Any, arm: Arm, carrier: ArmScanner) -> None:
     for view, posture in zip(views, carrier.views, strict=True):
         if view.pop("position_mm", None) is not None or "rpy_deg" in view:
             view.pop("rpy_deg", None)
-            view["joints_deg"] = shorts(np.rad2deg(arm.to_axes(posture.q)))
+            view["joints_deg"] = shorts(np.rad2deg(to_controller(arm, posture.q)))
 
 
 def _edit_places(table: Any, old: Arm, new: Arm) -> None:

@@ -20,6 +20,7 @@ from workbench.formats.files.whole_files import file_name, make_folder, write_wh
 from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_package import write_package, write_srdf
 from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
+from workbench.model.derived.controller_axes import to_controller
 from workbench.model.derived.policies import POLICIES
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
 from workbench.model.part import DOWN, Bin, PartPlace, Station
@@ -215,11 +216,11 @@ def _on_arm(carrier: ArmScanner, arm: Arm, put_mesh: PutMesh) -> Iterator[str]:
         yield "merge_views = true         # a scan is whole once it has come from each view"
     head = "[[scanner.on_arm.view]]" if carrier.other_views else "[scanner.on_arm.view]"
     for view in carrier.views:
-        joints = np.rad2deg(arm.to_axes(view.q))
+        joints = np.rad2deg(to_controller(arm, view.q))
         yield from ("", head, f"name = {text(view.name)}")
         if view.bin:
             yield f"bin = {text(view.bin)}"
-        yield f"joints_deg = {numbers(np.round(joints, 4))}   # in the controller's order"
+        yield f"joints_deg = {numbers(np.round(joints, 4))}   # as the controller shows them"
     for solid in carrier.housing:
         lines = _solid("scanner", solid.name, solid, put_mesh)
         yield from ("", "[[scanner.on_arm.housing]]", *lines)
@@ -270,15 +271,14 @@ def _mapping(cell: Cell, arm: Arm) -> Iterator[str]:
     if arm.mapping is None:
         return
     slides = [cell.robot.joint(arm.joints[k]).kind == "prismatic" for k in arm.axis_order]
-    rows = ", ".join(numbers(row) for row in arm.mapping.coupling)
     offsets = arm.mapping.offsets * np.where(slides, 1000, 180 / np.pi)
-    yield f"axis_coupling = [{rows}]"
+    yield f"axis_coupling = [{', '.join(map(numbers, arm.mapping.coupling))}]"
     yield f"axis_offsets = {numbers(np.round(offsets, 6))}"
 
 
 def _arm(cell: Cell, arm: Arm, q_home: Floats) -> Iterator[str]:
     axes = np.argsort(arm.axis_order) + 1
-    home = np.rad2deg(arm.to_axes(q_home))
+    home = np.rad2deg(to_controller(arm, q_home))
     yield from ("", "[[arm]]", f"name = {text(arm.name)}")
     yield f"controller_id = {text(arm.controller_id)}"
     yield f"flange = {text(arm.flange)}"
@@ -288,7 +288,7 @@ def _arm(cell: Cell, arm: Arm, q_home: Floats) -> Iterator[str]:
     yield "# Which axis of the controller each joint of the chain is, and its sense there."
     yield f"axes = {numbers(axes)}"
     yield f"signs = {numbers(np.array(arm.axis_signs))}"
-    yield f"home_deg = {numbers(np.round(home, 4))}   # in the controller's order"
+    yield f"home_deg = {numbers(np.round(home, 4))}   # as the controller shows it"
     yield from _mapping(cell, arm)
     yield f"acceleration_deg = {number(np.rad2deg(arm.acceleration[0]))}"
     if arm.jerk is not None:

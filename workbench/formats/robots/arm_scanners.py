@@ -9,6 +9,7 @@ import pinocchio as pin
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import read_pose, read_solid
 from workbench.model.cell import Arm
+from workbench.model.derived.controller_axes import from_controller, to_controller
 from workbench.model.geometry import Floats
 from workbench.model.robot import HOME, ArmScanner, Joint, Robot, ScanPosture
 
@@ -97,20 +98,21 @@ def _read_view(
             f"either the {count} joints of arm {arm.name} are expected, or the scanner's pose as "
             "position_mm and rpy_deg",
         )
-    home = np.rad2deg(arm.to_axes(arm.home))
+    home = np.rad2deg(to_controller(arm, arm.home))
     typed = table.numbers("joints_deg", count, home, low=-720, high=720)
     T_world_scanner = read_pose(table)
     table.finish()
     if not has_pose:
-        q = arm.from_axes(np.deg2rad(typed))
+        q = from_controller(arm, np.deg2rad(typed))
         lower, upper, _ = robot.limits(arm.joints)
         for axis, place in enumerate(arm.axis_order):
             if not lower[place] <= q[place] <= upper[place]:
                 sign = arm.axis_signs[axis]
                 low, high = sorted(np.rad2deg([sign * lower[place], sign * upper[place]]))
+                value = np.rad2deg(sign * q[place])
                 raise table.error(
                     "joints_deg",
-                    f"{typed[axis]:g} for axis {axis + 1} is outside {low:.1f} to {high:.1f}",
+                    f"{value:g} for axis {axis + 1} is outside {low:.1f} to {high:.1f}",
                 )
         return ScanPosture(name, q, bin, number)
     T_robot_flange = T_world_robot.actInv(T_world_scanner) * T_flange_scanner.inverse()
