@@ -59,6 +59,12 @@ def straight_message(state: State) -> Message:
     return _of_plan(row, number, _straight_message(state, row[number].proof))
 
 
+def comes_too_near(state: State) -> bool:
+    """Whether a linear motion of what is to be carried out is bounded below its near margin."""
+    margin = state.cell.policy.near_margin
+    return any(_or_far(linear_clearance(plan.proof)) < margin for plan in state.whole_row)
+
+
 def _or_far(bound: float | None) -> float:
     return math.inf if bound is None else bound
 
