@@ -3,6 +3,21 @@
 import pytest
 from playwright.sync_api import Locator
 
+WINDOWS = ((1280, 720), (1440, 900), (1920, 1080), (1024, 768))
+"""[px] Windows of people."""
+
+DRAWN_AT = """button => {
+    const of = button.parentElement, text = getComputedStyle(of, "::after");
+    const place = name => parseFloat(text[name]);
+    const panel = document.querySelector(".mantine-ScrollArea-root:has(.wb-head)");
+    return {
+        right: innerWidth - place("right"), left: place("left"),
+        top: place("top"), bottom: innerHeight - place("bottom"),
+        panel: panel.getBoundingClientRect().left, height: innerHeight,
+    };
+}"""
+"""Where a button's text is drawn, and where the panel begins [px]."""
+
 
 def told(element: Locator, beside: str) -> str:
     """What is drawn beside an element, as the browser has it."""
@@ -38,3 +53,20 @@ def test_a_grey_button_says_what_is_missing_and_each_number_which_it_is(screen, 
     number = screen.page.locator(".mantine-Slider-root:visible + .mantine-NumberInput-root").first
     assert told(number, "before") == "none"
     assert screen.errors == []
+
+
+@pytest.mark.extensive
+def test_what_a_button_does_is_said_over_the_scene_and_covers_no_button_or_result(screen, wait):
+    for width, height in WINDOWS:
+        screen.page.set_viewport_size({"width": width, "height": height})
+        for name in ("Plan", "Next cycle", "Send", "Cancel task"):
+            button = screen.button(name).last
+
+            def is_said(button=button):
+                button.hover(force=True)
+                return told(button.locator(".."), "after") != "none"
+
+            wait(is_said, f"the text of {name}")
+            drawn = button.evaluate(DRAWN_AT)
+            assert 0 <= drawn["left"] < drawn["right"] < drawn["panel"], (name, width)
+            assert 0 <= drawn["top"] < drawn["bottom"] <= drawn["height"], (name, width)

@@ -19,7 +19,7 @@ from workbench.app.core.cycle.arm_scanner import (
 from workbench.app.core.cycle.empty_hand import PlanView
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
-from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.scanning import scan_of_pile
 from workbench.app.core.cycle.sending import SendPlan, Stop
 from workbench.app.core.cycle.unapproved import ReleasePoses, release_problem
 from workbench.app.core.people import Role
@@ -36,9 +36,6 @@ from workbench.plugins.robot_link import link_named
 ACTOR = "robot program"
 
 MOST_PARTS = 1000
-
-SIMULATED_PARTS = 2
-"""In a simulated pile, where the request does not say."""
 
 Words = tuple[str, ...]
 
@@ -65,8 +62,8 @@ class BenchDesk:
         try:
             match request.job:
                 case "scan":
-                    parts = _whole(request, MOST_PARTS, SIMULATED_PARTS)
-                    return self._begin("scan", TakeScan(state.number, parts), _scan_answer)
+                    parts = _whole(request, MOST_PARTS, 0) if request.words else None
+                    return self._begin("scan", scan_of_pile(state, parts), _scan_answer)
                 case "find":
                     return self._begin("find", FindParts(state.number), _find_answer)
                 case "next":

@@ -1,11 +1,14 @@
 """Parts of a simulated pile stay until they are picked, or new ones are asked for."""
 
+from dataclasses import replace
+
 import pytest
 from line import Line, send
 
+from workbench.app.core.cell.bins import NewBin
 from workbench.app.core.command import Entry
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick, parts_sent_for
-from workbench.app.core.cycle.scanning import TakeScan, left_pile
+from workbench.app.core.cycle.scanning import USUAL_PARTS, TakeScan, left_pile, scan_of_pile
 from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.decide import decide
 
@@ -76,3 +79,28 @@ def test_a_rescan_before_any_pick_shows_the_same_parts(line, samples):
     line.do(FOUR)
     line.ended(samples.scan())
     assert lifted(line) == () and left_pile(line.state, FOUR).left == 4
+
+
+def test_a_scan_without_a_seed_is_of_what_is_left_and_then_of_new_parts(line, samples):
+    first = scan_of_pile(line.state)
+    assert (first.parts, first.stays) == (USUAL_PARTS, True)
+    send(line, samples, TakeScan(seed=3, parts=2, stays=True))
+    line.do(LinkEnded(parts_placed=1))
+    again = scan_of_pile(line.state)
+    assert (again.seed, again.parts) == (3, 2) and len(lifted(line, again)) == 1
+    for other in (scan_of_pile(line.state, 5), scan_of_pile(line.state, drops_new=True)):
+        assert other.seed != 3 and lifted(line, other) == ()
+    send(line, samples, TakeScan(seed=3, parts=1, stays=True))
+    line.do(LinkEnded(parts_placed=1))
+    assert scan_of_pile(line.state).seed != 3, "nothing is left of it"
+
+
+def test_a_bin_that_was_refilled_has_new_parts(cell, samples):
+    other = replace(cell.bin, name="other")
+    line = Line(replace(cell, bin=replace(cell.bin, name="here"), other_bins=(other,)))
+    line.do(FOUR)
+    line.ended(samples.scan())
+    line.do(NewBin("other"))
+    assert line.state.pile is not None, "it is the other bin"
+    line.do(NewBin("here"))
+    assert line.state.pile is None and scan_of_pile(line.state).seed != FOUR.seed

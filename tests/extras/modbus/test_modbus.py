@@ -276,3 +276,14 @@ def test_it_listens_where_that_is_stated_and_for_whom(site, options, problem):
     with pytest.raises(InputError, match=problem):
         ModbusServer(site.bench, options)
     assert not [one for one in threading.enumerate() if one.name == "modbus"]
+
+
+def test_parts_that_are_left_stay_until_a_plc_asks_for_new_ones(site, plc):
+    assert plc.give(SCAN, 3) == DONE
+    first = site.bench.state.pile
+    # The scan is the same here, and is no new one.
+    plc.give(SCAN)
+    assert site.bench.state.pile.name == first.name
+    plc.give(SCAN, 0, 1)
+    assert (site.bench.state.pile.parts, site.bench.state.pile.seed != first.seed) == (3, True)
+    assert plc.give(SCAN, 0, 2) == not_done(Error.ARGUMENT)

@@ -13,6 +13,7 @@ from workbench.gui.cycle.plan_views import left_message, plan_line, unsaved_mess
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.messages.message import plain
 from workbench.model.messages.plans import PlanNote
+from workbench.proof.claims.clearance import linear_clearance
 from workbench.words.words import IN_ENGLISH
 
 
@@ -118,9 +119,16 @@ def test_what_deviates_from_a_plain_plan_stands_first(states):
     first = deviations(
         state, state.cell.joint_values({arm.name: arm.home for arm in state.cell.arms})
     )
-    for name in ("Controller", "Linear motion"):
-        assert f"<th>{name}</th>" in first, "simulated, and a margin less than elsewhere"
-    for name in ("Not saved", "Warnings", "Robot", "Preview", "Kept clear of", "Proven"):
+    assert "<th>Controller</th>" in first, "simulated"
+    for name in (
+        "Linear motion",
+        "Not saved",
+        "Warnings",
+        "Robot",
+        "Preview",
+        "Kept clear of",
+        "Proven",
+    ):
         assert f"<th>{name}</th>" not in first
     remark = PlanNote.GOES_UNSEEN()
     plan = replace(state.plan, notes=(remark,))
@@ -129,6 +137,17 @@ def test_what_deviates_from_a_plain_plan_stands_first(states):
     for name in ("Not saved", "Warnings", "Robot", "Preview", "Kept clear of"):
         assert f"<th>{name}</th>" in first, name
     assert str(remark) in first
+
+
+def test_a_linear_motion_deviates_only_below_its_near_margin(states):
+    state = states.planned
+    bound, margin = linear_clearance(state.proof), state.cell.policy.near_margin
+    assert bound > margin
+    assert "<th>Linear motion</th>" not in deviations(state, {})
+    for near_margin, deviates in ((bound, False), (bound + 1e-4, True)):
+        policy = replace(state.cell.policy, near_margin=near_margin)
+        asked = replace(state, cell=replace(state.cell, policy=policy))
+        assert ("<th>Linear motion</th>" in deviations(asked, {})) is deviates
 
 
 def test_what_is_not_saved_is_said_at_the_plan_and_names_the_last_change(states):

@@ -170,6 +170,16 @@ def test_a_program_goes_on_after_a_cycle_and_a_person_approves(site):
     assert [str(row.kind) for row in site.bench.entries()][-4:] == ["GoOn", *["JobEnded"] * 3]
 
 
+def test_simulated_parts_that_are_left_stay_where_a_program_scans_again(site):
+    for stays in (True, False):
+        site.post("/scan", seed=2, parts=3)
+        site.reach("scanned")
+        first = site.bench.state.pile
+        assert site.post("/scan", seed=2, parts=3, stays=stays).status_code == 202
+        site.bench.wait(lambda state: state.job is None, PATIENCE)
+        assert (site.bench.state.pile is None, first.left) == (not stays, 3)
+
+
 def test_what_tasks_wait_for_is_told_with_the_state_and_with_the_task(site):
     assert site.get("/state").json()["getting_ready"] is None
     site.effects.hold.set()
@@ -301,7 +311,7 @@ def test_another_plan_than_the_current_one_is_not_approved(site):
         ("/scan", b"[1]", "a JSON object is expected"),
         ("/scan", b"\xff", "UTF-8"),
         ("/scan", b'{"seed": 1, "seed": 2}', "there twice"),
-        ("/scan", b'{"speed": 1}', "the key 'speed' is not known; there are parts, seed"),
+        ("/scan", b'{"speed": 1}', "the key 'speed' is not known; there are parts, seed, stays"),
         ("/scan", b'{"seed": 1.5}', "a whole number from 0"),
         ("/scan", b'{"seed": true}', "a whole number from 0"),
         ("/scan", b'{"seed": null}', "a whole number from 0"),

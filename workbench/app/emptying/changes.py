@@ -16,6 +16,7 @@ from workbench.model.derived.by_tcp import with_tcp_at
 from workbench.model.geometry import Box, Solid, pose_from_rpy
 from workbench.model.messages.changes import ChangeText
 from workbench.model.messages.message import Message
+from workbench.model.messages.plans import OrderText
 from workbench.model.part import Entry, Grasp, GraspPattern, Part
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.kinematics.chain import chain_of, is_solution
@@ -65,7 +66,8 @@ def changes_of(cell: Cell) -> Iterator[Change]:
     yield Change("margins", ChangeText.MARGIN(), partial(_halve, name="margin"))
     yield from _of_surroundings()
     for name in ORDER_NAMES:
-        yield Change("order", ChangeText.ORDER(order=name), partial(_policy, order=name))
+        says = ChangeText.ORDER(order=OrderText[name.upper()]())
+        yield Change("order", says, partial(_policy, order=name))
     for arm in cell.arms:
         for tool in arm.tools:
             if tool.name != arm.tool.name:

@@ -23,7 +23,7 @@ from workbench.app.core.cycle.jobs import CancelJob
 from workbench.app.core.cycle.outcomes import ReportPick
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
-from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.scanning import TakeScan, scan_of_pile
 from workbench.app.core.cycle.sending import SendPlan, Stop
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
@@ -40,9 +40,6 @@ from workbench.model.errors import WorkbenchError
 from workbench.model.robot import HOME
 
 log = logging.getLogger(__name__)
-
-PARTS = 2
-"""In a simulated pile, where the PLC says 0."""
 
 
 class Answer(IntEnum):
@@ -78,8 +75,10 @@ class Job:
     brings: str = ""
 
 
-def _scan(state: State, parts: int, _: int) -> TakeScan:
-    return TakeScan(state.number, parts or PARTS)
+def _scan(state: State, parts: int, new: int) -> TakeScan | None:
+    if new not in (0, 1):
+        return None
+    return scan_of_pile(state, parts or None, drops_new=bool(new))
 
 
 def _find(state: State, _a: int, _b: int) -> FindParts:
@@ -90,8 +89,9 @@ def _plan(state: State, _a: int, _b: int) -> MakePlan:
     return MakePlan("", None, state.number)
 
 
-def _go_on(state: State, parts: int, _: int) -> GoOn:
-    return GoOn(_scan(state, parts, 0), _find(state, 0, 0), _plan(state, 0, 0))
+def _go_on(state: State, parts: int, new: int) -> GoOn | None:
+    scan = _scan(state, parts, new)
+    return None if scan is None else GoOn(scan, _find(state, 0, 0), _plan(state, 0, 0))
 
 
 def _send(state: State, high: int, low: int) -> SendPlan | None:

@@ -70,7 +70,7 @@ def _plan(seed: int, strategy: str, threshold: float) -> MakePlan:
 
 
 METHODS: tuple[Method, ...] = (
-    Method("Scan", lambda given: TakeScan(given[0], given[1]), (SEED, PARTS)),
+    Method("Scan", lambda given: TakeScan(given[0], given[1], stays=True), (SEED, PARTS)),
     Method("FindParts", lambda given: FindParts(given[0]), (SEED,)),
     Method(
         "MakePlan",
@@ -85,7 +85,7 @@ METHODS: tuple[Method, ...] = (
     Method(
         "GoOn",
         lambda given: GoOn(
-            TakeScan(given[0], given[1]),
+            TakeScan(given[0], given[1], stays=True),
             FindParts(given[0]),
             _plan(given[0], given[2], given[3]),
         ),

@@ -6,7 +6,12 @@ from workbench.app.core.cycle.approval import standing_votes
 from workbench.app.core.cycle.standing import moved_away
 from workbench.app.core.state import Phase, State
 from workbench.gui.cycle.plan_views import unsaved_message
-from workbench.gui.drawing.nearest import certificates_of, free_message, straight_lines
+from workbench.gui.drawing.nearest import (
+    certificates_of,
+    comes_too_near,
+    free_message,
+    straight_lines,
+)
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.gui.texts.approval import ApprovalText
 from workbench.gui.texts.labels import LabelText, arm_label
@@ -150,7 +155,7 @@ def _facts(state: State, joints: Mapping[str, float], at: float) -> tuple[list[F
         add("Warnings", all_of(warnings), is_usual=False)
     add("Free motion", free_message(state), is_usual=True)
     for fact in straight_lines(state):
-        add(*fact, is_usual=policy.near_margin >= policy.margin)
+        add(*fact, is_usual=not comes_too_near(state))
     add("Proven", _proven(state), is_usual=True)
     is_seen = state.scan is not None and all(obstacle.part for obstacle in plan.obstacles)
     add("Kept clear of", _clear_of(state, plan), is_usual=is_seen and bool(plan.picks))

@@ -144,7 +144,7 @@ class CyclePanel:
     def _add_plan(self, gui: viser.GuiApi) -> None:
         with group(gui, "3 · Plan"):
             gui.add_html(THREE_COLUMNS_MARK)
-            self._strategies = strategy_words(self._visitor.cell)
+            self._strategies = strategy_words(self._visitor.cell, self._visitor.words)
             self._strategy = gui.add_dropdown(
                 "Strategy", tuple(self._strategies), hint=strategy_hint(self._visitor.cell)
             )

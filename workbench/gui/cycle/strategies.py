@@ -4,15 +4,13 @@ from collections.abc import Mapping
 
 from workbench.model.cell import Cell
 from workbench.model.derived.by_recipe import strategies_of
-from workbench.model.plan import STRATEGY_WORDS, Strategy
+from workbench.model.messages.plans import strategy_message
+from workbench.words.words import IN_ENGLISH, Words
 
 
-def strategy_words(cell: Cell) -> Mapping[str, str]:
+def strategy_words(cell: Cell, words: Words = IN_ENGLISH) -> Mapping[str, str]:
     """What is offered, words for people -> strategy; an arm alone is `right arm only`."""
-    return {
-        strategy if strategy in STRATEGY_WORDS else Strategy.single(strategy).words: strategy
-        for strategy in strategies_of(cell)
-    }
+    return {words.render(strategy_message(strategy)): strategy for strategy in strategies_of(cell)}
 
 
 def strategy_hint(cell: Cell) -> str:

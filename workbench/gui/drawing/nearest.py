@@ -35,6 +35,9 @@ NEAR_BY = 0.45
 TOUCH = 0.0001
 """[m] Bodies that are nearer than this touch, for people."""
 
+ROUNDING = 1e-6
+"""[m] A bound that misses its margin by less keeps it, for people."""
+
 
 def free_message(state: State) -> Message:
     """The smallest clearance on free legs of all that is to be carried out, with its place."""
@@ -57,6 +60,12 @@ def straight_message(state: State) -> Message:
     bounds = [linear_clearance(proven_plan.proof) for proven_plan in row]
     number = min(range(len(row)), key=lambda place: _or_far(bounds[place]))
     return _of_plan(row, number, _straight_message(state, row[number].proof))
+
+
+def comes_too_near(state: State) -> bool:
+    """Whether a linear motion of what is to be carried out is bounded below its near margin."""
+    margin = state.cell.policy.near_margin - ROUNDING
+    return any(_or_far(linear_clearance(plan.proof)) < margin for plan in state.whole_row)
 
 
 def _or_far(bound: float | None) -> float:

@@ -29,7 +29,13 @@ from workbench.model.messages.cells import (
     SlotText,
     ViewChoiceText,
 )
-from workbench.model.messages.changes import ChangeText, FillText, GraspChange, RemainText
+from workbench.model.messages.changes import (
+    ChangeKindText,
+    ChangeText,
+    FillText,
+    GraspChange,
+    RemainText,
+)
 from workbench.model.messages.commands import (
     CommandText,
     EditText,
@@ -56,6 +62,7 @@ from workbench.model.messages.plans import (
     GuaranteeText,
     LegText,
     MotionText,
+    OrderText,
     PlanNote,
     RowEnd,
     StepText,
@@ -107,6 +114,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     StationNote,
     LegText,
     StrategyText,
+    OrderText,
     GuaranteeText,
     MotionText,
     PlanNote,
@@ -125,6 +133,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     ChangeRefusal,
     ControlRefusal,
     ValueRefusal,
+    ChangeKindText,
     ChangeText,
     FillText,
     RemainText,

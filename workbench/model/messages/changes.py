@@ -3,6 +3,19 @@
 from workbench.model.messages.message import Text
 
 
+class ChangeKindText(Text, subject="change-kind"):
+    """Kinds of these changes, by the names of `CHANGE_KINDS`."""
+
+    FINGERS = "fingers"
+    GRASPS = "grasps"
+    LIFTS = "lifts"
+    MARGINS = "margins"
+    BIN = "bin"
+    ARMS = "arms"
+    ORDER = "order"
+    TOOL = "tool"
+
+
 class ChangeText(Text, subject="change"):
     """Changes of a cell that are tried where a bin does not empty."""
 

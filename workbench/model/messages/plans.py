@@ -46,6 +46,17 @@ class StrategyText(Text, subject="strategy"):
     ONE_ARM = "{arm} arm only"
 
 
+class OrderText(Text, subject="order"):
+    """Which part is taken first, by the names of `OrderName`."""
+
+    TRAVEL = "travel"
+    HIGHEST = "highest"
+    SCORE = "score"
+    NEAREST = "nearest"
+    WALLS = "walls"
+    THESIS = "thesis"
+
+
 class ArmText(Text, subject="arm"):
     """Names of arms that people read in their language; others stay as the cell has them."""
 

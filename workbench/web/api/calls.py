@@ -27,7 +27,7 @@ from workbench.app.core.cycle.outcomes import AcknowledgeFault, ForgetAvoided, R
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan, WantThreshold
 from workbench.app.core.cycle.rows import ShortenRow
-from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.scanning import USUAL_PARTS, TakeScan
 from workbench.app.core.cycle.sending import NextStep, SendPlan, Stop
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.session import AcknowledgeChanges, WriteNote
@@ -124,7 +124,7 @@ def _emptying(values: Values) -> Command:
 
 
 def _go_on(values: Values) -> Command:
-    scan = TakeScan(values["seed"], values["parts"])
+    scan = TakeScan(values["seed"], values["parts"], stays=values["stays"])
     return GoOn(scan, _find(values), _plan(values))
 
 
@@ -156,7 +156,17 @@ TOOL = (
     SEED,
 )
 
-SCAN_FIELDS = (SEED, Field("parts", "in the simulated pile", _whole(0, MOST_PARTS), 2))
+SCAN_FIELDS = (
+    SEED,
+    Field("parts", "in the simulated pile", _whole(0, MOST_PARTS), USUAL_PARTS),
+    Field(
+        "stays",
+        "with the seed and parts of the scan before, the simulated parts that are left stay; "
+        "otherwise all fall anew",
+        {"type": "boolean"},
+        True,
+    ),
+)
 
 FIND_FIELDS = (
     SEED,

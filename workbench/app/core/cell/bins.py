@@ -47,7 +47,10 @@ class ChooseBin(Command):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NewBin(Command):
-    """The bin of that name was refilled, or another one stands in its place."""
+    """The bin of that name was refilled, or another one stands in its place.
+
+    With a simulated scanner new parts fall into it before the next scan.
+    """
 
     right: ClassVar[Right] = Right(
         CommandText.NEW_BIN, EVERY_PHASE, beside_job=True, without_control=True
@@ -68,6 +71,7 @@ class NewBin(Command):
             state,
             empty_bins=tuple(name for name in state.empty_bins if name != self.name),
             avoided=tuple(mark for mark in state.avoided if mark.bin != self.name),
+            pile=None if state.pile is None or state.pile.bin == self.name else state.pile,
             message=message,
         )
         if self.name != state.cell.bin.name:

@@ -52,6 +52,9 @@ from workbench.model.scan import ALL_KINDS, Scan
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
 
+USUAL_PARTS = 2
+"""In a simulated pile, where nobody states a number."""
+
 SAME_POSE_WITHIN = 0.02
 """[rad, m] Joints nearer to each other than this are those of one pose of the plate."""
 
@@ -68,7 +71,7 @@ class TakeScan(Command):
     right: ClassVar[Right] = Right(CommandText.TAKE_SCAN, SAFE)
 
     seed: int = 0
-    parts: int = 2
+    parts: int = USUAL_PARTS
     part: str = ""
     stays: bool = field(default_factory=bool, metadata=LATER)
 
@@ -191,6 +194,24 @@ def next_pile(state: State, command: TakeScan) -> SimulatedPile | None:
     if state.cell.scanner.source != "simulated":
         return None
     return left_pile(state, command) or _fresh_pile(state, command)
+
+
+def scan_of_pile(state: State, parts: int | None = None, *, drops_new: bool = False) -> TakeScan:
+    """A scan as programs ask for it that name no seed: what is left of the pile, or new parts.
+
+    Args:
+        state: with the pile that the last scan has shown.
+        parts: in a simulated pile; None: as many as it had, `USUAL_PARTS` at first.
+        drops_new: new parts fall, whatever is left.
+    """
+    pile = state.pile
+    if parts is None:
+        parts = USUAL_PARTS if pile is None else pile.parts
+    if pile is not None and not drops_new:
+        again = TakeScan(pile.seed, parts, pile.part, stays=True)
+        if left_pile(state, again) is not None:
+            return again
+    return TakeScan(state.number, parts, stays=True)
 
 
 def left_pile(state: State, command: TakeScan) -> SimulatedPile | None:
