@@ -81,6 +81,19 @@ def test_a_search_that_finds_no_bin_ends_too(cell, monkeypatch):
     assert 1 <= len(sizes) < len(bins.SIZES)
 
 
+def test_the_table_that_is_added_counts_in_what_the_arms_reach(cell, monkeypatch):
+    bare, tables = replace(cell, fixtures=()), []
+
+    def share(tried: Cell) -> float:
+        tables.append([fixture.name for fixture in tried.fixtures])
+        return 1.0
+
+    monkeypatch.setattr(bins, "_share_reached", share)
+    spots = list(bins._spots(bare, lambda: False))
+    assert spots
+    assert tables == [["table"]] * len(spots)
+
+
 def test_parts_are_taken_on_trial_where_arms_reach_them_alone(cell):
     assert takes_parts(cell)
     assert not takes_parts(moved(cell, 3.0))

@@ -157,12 +157,12 @@ def _spots(cell: Cell, is_late: Callable[[], bool]) -> Iterator[_Spot]:
         p = np.round(feet + share * reach * out + [0, 0, height * reach], 2)
         T = pose_from_rpy(p, (0, 0, direction))
         front = front_of(cell, direction, float(p[2])) - float((p - feet) @ out)
-        tried = replace(cell, bin=replace(cell.bin, T_world_bin=T))
         if front > -float(cell.bin.size[0]) / 2 - cell.bin.wall:
             continue  # the robot's base would stand in the bin
-        reached = _share_reached(tried)
+        tried = replace(cell, bin=replace(cell.bin, T_world_bin=T))
+        whole = tried if cell.fixtures else _with_table(tried, front)
+        reached = _share_reached(whole)
         if reached > 0:
-            whole = tried if cell.fixtures else _with_table(tried, front)
             yield _Spot(whole, reached, reached - ABOUT_LEVEL * abs(height))
 
 
