@@ -81,6 +81,15 @@ def test_a_search_that_finds_no_bin_ends_too(cell, monkeypatch):
     assert 1 <= len(sizes) < len(bins.SIZES)
 
 
+def test_where_two_arms_reach_no_bin_the_message_names_the_flanges_to_take_one_arm(
+    cell, monkeypatch
+):
+    monkeypatch.setattr(bins, "_complete", lambda *_: iter(()))
+    first, second = (arm.flange for arm in cell.arms)
+    with pytest.raises(InputError, match=f"alone: --flange {first} or {second}"):
+        bins.laid_out(cell)
+
+
 def test_the_table_that_is_added_counts_in_what_the_arms_reach(cell, monkeypatch):
     bare, tables = replace(cell, fixtures=()), []
 

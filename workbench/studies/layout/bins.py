@@ -215,11 +215,13 @@ def _no_home(cell: Cell) -> str:
 
 def _nothing(cell: Cell) -> str:
     sizes = [_mm(np.round(share * np.asarray(cell.bin.size), 2)) for share in SIZES]
+    names = [arm.flange for arm in cell.arms]
+    alone = f" For one of the arms alone: --flange {' or '.join(names)}." if len(names) > 1 else ""
     return (
         f"robot {cell.robot.name}: no bin of {' or '.join(sizes)} mm was found that its arms reach "
         f"with the tool straight down, with a home and a place for parts beside it; tried were "
-        f"{len(DISTANCES)} distances and {len(HEIGHTS)} heights before, beside and behind it. Is "
-        "the flange right (--flange), and its z the way out of it?"
+        f"{len(DISTANCES)} distances and {len(HEIGHTS)} heights before, beside and behind it.{alone} "
+        "Is the flange right (--flange), and its z the way out of it?"
     )
 
 
