@@ -90,6 +90,13 @@ def test_where_two_arms_reach_no_bin_the_message_names_the_flanges_to_take_one_a
         bins.laid_out(cell)
 
 
+def test_where_an_arm_with_five_axes_reaches_no_bin_the_message_states_its_axes(cell, monkeypatch):
+    monkeypatch.setattr(bins, "_complete", lambda *_: iter(()))
+    arm = replace(cell.arms[0], joints=cell.arms[0].joints[:5])
+    with pytest.raises(InputError, match="with 5 axes an arm cannot turn"):
+        bins.laid_out(replace(cell, arms=(arm,)))
+
+
 def test_the_table_that_is_added_counts_in_what_the_arms_reach(cell, monkeypatch):
     bare, tables = replace(cell, fixtures=()), []
 

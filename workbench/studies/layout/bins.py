@@ -198,12 +198,17 @@ def _describe(usual: Cell, spot: _Spot) -> Iterator[str]:
         f"{spot.reached:.0%} of the poses tried in it are reached: bin in cell.toml"
     )
     if not spot.takes:
-        axes = min(len(arm.joints) for arm in usual.arms)
-        few = f" (with {axes} axes an arm cannot turn its tool every way)" if axes < 6 else ""
         yield (
-            f"there is no plan for a simulated pile of two parts in the bin{few}: another tool, "
-            "--flange or --part may help, or a bin that you place yourself"
+            "there is no plan for a simulated pile of two parts in the bin"
+            f"{_few_axes(usual)}: another tool, --flange or --part may help, or a bin that you "
+            "place yourself"
         )
+
+
+def _few_axes(cell: Cell) -> str:
+    """A remark on arms with fewer axes than six, in brackets."""
+    axes = min(len(arm.joints) for arm in cell.arms)
+    return f" (with {axes} axes an arm cannot turn its tool every way)" if axes < 6 else ""
 
 
 def _no_home(cell: Cell) -> str:
@@ -219,8 +224,9 @@ def _nothing(cell: Cell) -> str:
     alone = f" For one of the arms alone: --flange {' or '.join(names)}." if len(names) > 1 else ""
     return (
         f"robot {cell.robot.name}: no bin of {' or '.join(sizes)} mm was found that its arms reach "
-        f"with the tool straight down, with a home and a place for parts beside it; tried were "
-        f"{len(DISTANCES)} distances and {len(HEIGHTS)} heights before, beside and behind it.{alone} "
+        f"with the tool straight down{_few_axes(cell)}, with a home and a place for parts beside "
+        f"it; tried were {len(DISTANCES)} distances and {len(HEIGHTS)} heights before, beside and "
+        f"behind it.{alone} "
         "Is the flange right (--flange), and its z the way out of it?"
     )
 
