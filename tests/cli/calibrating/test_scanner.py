@@ -1,6 +1,7 @@
 """`workbench scanner fit`, as it is typed."""
 
 import json
+import shlex
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +15,7 @@ from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 
 
-def test_a_first_scan_is_written_into_the_cell(tmp_path, capsys):
+def test_a_first_scan_is_written_into_the_cell(tmp_path, capsys, monkeypatch):
     shutil.copytree(Path("robots/yumi"), tmp_path / "yumi")
     path = tmp_path / "yumi" / "cell.toml"
     text = path.read_text()
@@ -33,10 +34,16 @@ def test_a_first_scan_is_written_into_the_cell(tmp_path, capsys):
     assert path.read_text() == moved
 
     assert main([*typed, "--write"]) == 0
-    assert "written into" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "written into" in out
     written = read_cell(path)
     assert abs(read_scan(cloud, written.scanner).points - scan.points).max() < 1e-9
     assert main(typed) == 0
+
+    following = shlex.split(out.partition("next: `workbench ")[2].partition("`")[0])
+    monkeypatch.chdir(tmp_path)
+    assert main(following) == 0  # as printed, nothing missing
+    assert (tmp_path / "poses.json").is_file()
 
 
 def test_sessions_are_looked_through_for_drift(tmp_path, capsys):

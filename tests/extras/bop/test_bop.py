@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from bop_set import write_models
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -230,6 +231,25 @@ def test_a_folder_without_models_is_refused(tmp_path):
     (folder / "models_info.json").write_text("{}")
     with pytest.raises(FileError, match="names no object"):
         read_models(folder)
+
+
+def test_models_without_info_get_the_size_of_their_meshes_and_no_symmetry(tmp_path):
+    folder = info(tmp_path)
+    stated = read_models(folder)[1]
+    (folder / "models_info.json").unlink()
+    found = read_models(folder)[1]
+    assert found.diameter == pytest.approx(stated.diameter, rel=1e-3)
+    assert found.motions.tolist() == [np.eye(4).tolist()]
+
+
+def test_models_without_info_in_metres_are_refused(tmp_path):
+    path = info(tmp_path) / "obj_000001.ply"
+    path.with_name("models_info.json").unlink()
+    mesh = trimesh.load_mesh(path)
+    mesh.apply_scale(0.001)
+    mesh.export(path)
+    with pytest.raises(FileError, match="its lengths must be in millimetres"):
+        read_models(path.parent)
 
 
 def test_no_depth_of_another_kind_is_looked_for(tmp_path):

@@ -24,6 +24,21 @@ EMPTY_DAE = """<?xml version="1.0"?>
 </COLLADA>"""
 
 
+TRIANGLE_DAE = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset>{unit}<up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="s"><float_array id="f" count="9">0 0 0 10 0 0 0 10 0</float_array><technique_common>
+<accessor source="#f" count="3" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="all"><node><instance_geometry url="#g"/></node>
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#all"/></scene>
+</COLLADA>"""
+
+
 def described(tmp_path: Path, text: str, **options) -> Description:
     return read_description(made_arm.written(tmp_path / "urdf" / "arm.urdf", text), **options)
 
@@ -135,6 +150,17 @@ def test_meshes_in_mm_are_noticed(tmp_path):
     assert found.notes == ()
     with pytest.raises(FileError, match="would be 200 m large"):
         described(tmp_path, with_meshes("foot.stl", "foot.stl"), mesh_unit="m")
+
+
+def test_a_dae_file_is_read_in_the_unit_that_it_states(tmp_path):
+    triangle = TRIANGLE_DAE.format(unit='<unit name="inch" meter="0.0254"/>')
+    made_arm.written(tmp_path / "urdf" / "foot.dae", triangle)
+    box_file(tmp_path / "urdf" / "foot.stl", 0.254)
+    found = described(tmp_path, with_meshes("foot.dae", "foot.stl"))
+    assert size_of(found, "extra") == pytest.approx(10 * 0.0254)
+    made_arm.written(tmp_path / "urdf" / "foot.dae", TRIANGLE_DAE.format(unit=""))
+    found = described(tmp_path, with_meshes("foot.dae", "foot.stl"))
+    assert size_of(found, "extra") == pytest.approx(10)
 
 
 def test_a_unit_is_asked_only_of_files_that_do_not_say_it(tmp_path):

@@ -81,6 +81,35 @@ def test_a_search_that_finds_no_bin_ends_too(cell, monkeypatch):
     assert 1 <= len(sizes) < len(bins.SIZES)
 
 
+def test_where_two_arms_reach_no_bin_the_message_names_the_flanges_to_take_one_arm(
+    cell, monkeypatch
+):
+    monkeypatch.setattr(bins, "_complete", lambda *_: iter(()))
+    first, second = (arm.flange for arm in cell.arms)
+    with pytest.raises(InputError, match=f"alone: --flange {first} or {second}"):
+        bins.laid_out(cell)
+
+
+def test_where_an_arm_with_five_axes_reaches_no_bin_the_message_states_its_axes(cell, monkeypatch):
+    monkeypatch.setattr(bins, "_complete", lambda *_: iter(()))
+    arm = replace(cell.arms[0], joints=cell.arms[0].joints[:5])
+    with pytest.raises(InputError, match="with 5 axes an arm cannot turn"):
+        bins.laid_out(replace(cell, arms=(arm,)))
+
+
+def test_the_table_that_is_added_counts_in_what_the_arms_reach(cell, monkeypatch):
+    bare, tables = replace(cell, fixtures=()), []
+
+    def share(tried: Cell) -> float:
+        tables.append([fixture.name for fixture in tried.fixtures])
+        return 1.0
+
+    monkeypatch.setattr(bins, "_share_reached", share)
+    spots = list(bins._spots(bare, lambda: False))
+    assert spots
+    assert tables == [["table"]] * len(spots)
+
+
 def test_parts_are_taken_on_trial_where_arms_reach_them_alone(cell):
     assert takes_parts(cell)
     assert not takes_parts(moved(cell, 3.0))

@@ -1,6 +1,8 @@
 """Users, tokens and logins, in a file that only its owner may read."""
 
 import sqlite3
+import subprocess
+import sys
 from contextlib import closing
 
 import pytest
@@ -74,6 +76,29 @@ def test_a_file_that_others_may_read_is_made_private(tmp_path):
     path.touch(mode=0o644)
     Store(path).close()
     assert path.stat().st_mode & 0o777 == 0o600
+
+
+OF_ANOTHER_PROCESS = """
+import sys
+from pathlib import Path
+from workbench.web.access.store import Store
+store = Store(Path(sys.argv[1]))
+with store.change() as change:
+    change.execute("INSERT INTO failures (subject, at) VALUES (?, 0)", [sys.argv[2]])
+store.close()
+"""
+
+
+def test_changes_by_other_processes_are_seen_after_this_one_opened_the_file_twice(tmp_path):
+    path = tmp_path / "users.sqlite"
+    with closing(Store(path)) as served:
+        assert served.ask("SELECT subject FROM failures") == []
+        Store(path).close()  # as `serve` does for OPC UA
+        seen: list[tuple[str]] = []
+        for name in ("Ada", "Bob"):
+            subprocess.run([sys.executable, "-c", OF_ANOTHER_PROCESS, str(path), name], check=True)
+            seen.append((name,))
+            assert served.ask("SELECT subject FROM failures") == seen
 
 
 def test_no_secret_is_in_the_file(tmp_path, store, users, sessions):

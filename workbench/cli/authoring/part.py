@@ -129,7 +129,8 @@ def _print_import(typed: PartImport, made: MadePart) -> None:
         print(f"symmetry: {symmetry_words(found)} ({'stated' if typed.accept_symmetry else only})")
     print(f"written to {made.written.folder}")
     print(
-        f"next: `cell new NAME --urdf FILE --part {part.name}`, or name it in a cell file's parts"
+        f"next: `workbench cell new NAME --urdf FILE --part {part.name}`, or name it in a cell "
+        "file's parts"
     )
 
 

@@ -1,5 +1,6 @@
 """`workbench scanner fit`: a cell's scanner by its first scan."""
 
+import shlex
 from dataclasses import replace
 from typing import Any
 
@@ -40,7 +41,8 @@ def fit(typed: arguments.ScannerFit) -> int:
             print(f"- {line}")
         if typed.write:
             print(f"written into {cell_path(typed.cell)}")
-            print(f"next: `workbench localize {typed.cell} --scan {typed.scan}`")
+            scan = shlex.quote(str(typed.scan))
+            print(f"next: `workbench localize {typed.cell} --scan {scan} --out poses.json`")
     return NO_PLAN if seen.says else SUCCESS
 
 

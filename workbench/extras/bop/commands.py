@@ -6,6 +6,7 @@ from workbench.cli.arguments.studies import StudyBop
 from workbench.cli.exits import SUCCESS
 from workbench.cli.measuring.precision_columns import BOP_COLUMNS, bop_words
 from workbench.cli.terminal import check_whole, print_json, print_table, progress
+from workbench.extras.bop.models import INFO
 from workbench.extras.bop.results import read_results, write_results
 from workbench.extras.bop.searching import DataSet, figures_of
 from workbench.formats.cells.reading import read_cell
@@ -31,6 +32,8 @@ def study_bop(typed: StudyBop) -> int:
     if typed.json:
         print_json({"images": len(data.images), "found": len(found), **figures})
         return SUCCESS
+    if not (typed.folder / typed.models / INFO).exists():
+        print(f"{INFO} is missing: diameters are those of the meshes, no object has a symmetry")
     rows = [
         (name, str(figures_of_object["targets"]), *bop_words(figures_of_object))
         for name, figures_of_object in figures["objects"].items()

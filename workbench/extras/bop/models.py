@@ -1,5 +1,6 @@
 """The objects of a BOP data set: `models_info.json` and one PLY file for each, millimetres."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh, frozen, put
 from workbench.model.symmetry import turn_about
 
+INFO = "models_info.json"
 LARGEST_FILE = 64 * MB
 
 SYMMETRY_STEP = 0.01
@@ -22,6 +24,9 @@ SAME_SIZE = 0.1
 """Share by which a mesh may be larger or smaller than its stated diameter."""
 
 MOST_SYMMETRIES = 1000
+
+SMALLEST = 0.003
+"""[m] An object whose size nobody states is longer than this, or its unit is another."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,11 +45,16 @@ class ObjectModel:
 def read_models(folder: Path) -> dict[int, ObjectModel]:
     """All objects of a folder of models, by number.
 
+    Without `models_info.json` each `obj_NUMBER.ply` is an object without symmetry.
+
     Raises:
         FileError: a file is missing or broken, there are no objects, or their lengths are not in
             millimetres.
     """
-    path = folder / "models_info.json"
+    path = folder / INFO
+    files = sorted(folder.glob("obj_*.ply"))
+    if files and not path.exists():
+        return {model.number: model for model in map(_unstated_model, files)}
     table = Table(path, parse_object(path, read_whole(path, LARGEST_FILE)))
     models = {
         model.number: model
@@ -81,6 +91,29 @@ def _model(folder: Path, name: str, table: Table) -> ObjectModel:
             f"diameter of {diameter * 1000:.4g} mm",
         )
     return ObjectModel(number, mesh, diameter, _motions(table))
+
+
+def _unstated_model(path: Path) -> ObjectModel:
+    """An object of which nothing but its surface is stated."""
+    number = whole_name(path, path.stem.removeprefix("obj_"))
+    mesh = read_mesh(path, 0.001)
+    diameter = _diameter(mesh)
+    if diameter < SMALLEST:
+        raise FileError(
+            path, f"is {diameter * 1000:.4g} mm long: its lengths must be in millimetres"
+        )
+    return ObjectModel(number, mesh, diameter, np.eye(4)[None])
+
+
+def _diameter(mesh: Mesh) -> float:
+    """The largest distance between two of its points [m]."""
+    from scipy.spatial import ConvexHull, QhullError
+    from scipy.spatial.distance import pdist
+
+    points = mesh.points
+    with suppress(QhullError):  # a flat mesh has no hull
+        points = points[ConvexHull(points).vertices]
+    return float(pdist(points).max())
 
 
 def _motions(table: Table) -> Floats:

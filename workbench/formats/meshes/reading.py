@@ -1,6 +1,7 @@
 """Triangle meshes from files, in metres."""
 
 import xml.etree.ElementTree as ElementTree
+from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
 
@@ -154,6 +155,21 @@ def bare_collada(content: bytes) -> BytesIO:
             if child.tag.rpartition("}")[2] in MATERIALS:
                 parent.remove(child)
     return BytesIO(ElementTree.tostring(root))
+
+
+def collada_unit(path: Path) -> float:
+    """How many metres the unit has that a DAE file states; 1 where it states none.
+
+    Raises:
+        FileError: the file cannot be read.
+    """
+    content = read_whole(path, LARGEST_MESH)
+    with suppress(ElementTree.ParseError, ValueError):  # `read_mesh` refuses what is no XML
+        for _, element in ElementTree.iterparse(BytesIO(content), ("start",)):
+            if element.tag.rpartition("}")[2] == "unit":
+                unit = float(element.get("meter", "1"))
+                return unit if 0 < unit < np.inf else 1.0
+    return 1.0
 
 
 def _read_taught(path: Path, content: bytes, scale: Floats | float) -> Mesh:

@@ -9,7 +9,7 @@ import pinocchio as pin
 from workbench.formats.files.whole_files import PointerError
 from workbench.formats.files.xml_elements import Element
 from workbench.formats.meshes.pieces.convex_pieces import hull_of
-from workbench.formats.meshes.reading import EmptyMesh, WrongUnit, read_mesh
+from workbench.formats.meshes.reading import EmptyMesh, WrongUnit, collada_unit, read_mesh
 from workbench.formats.robots.mesh_places import MissingMesh, mesh_file
 from workbench.formats.robots.packages import Packages
 from workbench.formats.robots.remarks import Remarks
@@ -165,6 +165,8 @@ class Shapes:
             raise element.error(f"scale={_format(scale)}: would make it flat")
         if not element.text("scale", "") and file.suffix.lower() not in WITH_UNIT:
             scale = scale * self._mesh_scale
+        if file.suffix.lower() == ".dae" and file.is_file():
+            scale = scale * collada_unit(file)
         key = (file, tuple(scale.tolist()))
         if key not in self._meshes:
             is_piece = file.name.endswith(".convex.obj")

@@ -157,12 +157,12 @@ def _spots(cell: Cell, is_late: Callable[[], bool]) -> Iterator[_Spot]:
         p = np.round(feet + share * reach * out + [0, 0, height * reach], 2)
         T = pose_from_rpy(p, (0, 0, direction))
         front = front_of(cell, direction, float(p[2])) - float((p - feet) @ out)
-        tried = replace(cell, bin=replace(cell.bin, T_world_bin=T))
         if front > -float(cell.bin.size[0]) / 2 - cell.bin.wall:
             continue  # the robot's base would stand in the bin
-        reached = _share_reached(tried)
+        tried = replace(cell, bin=replace(cell.bin, T_world_bin=T))
+        whole = tried if cell.fixtures else _with_table(tried, front)
+        reached = _share_reached(whole)
         if reached > 0:
-            whole = tried if cell.fixtures else _with_table(tried, front)
             yield _Spot(whole, reached, reached - ABOUT_LEVEL * abs(height))
 
 
@@ -198,12 +198,17 @@ def _describe(usual: Cell, spot: _Spot) -> Iterator[str]:
         f"{spot.reached:.0%} of the poses tried in it are reached: bin in cell.toml"
     )
     if not spot.takes:
-        axes = min(len(arm.joints) for arm in usual.arms)
-        few = f" (with {axes} axes an arm cannot turn its tool every way)" if axes < 6 else ""
         yield (
-            f"there is no plan for a simulated pile of two parts in the bin{few}: another tool, "
-            "--flange or --part may help, or a bin that you place yourself"
+            "there is no plan for a simulated pile of two parts in the bin"
+            f"{_few_axes(usual)}: another tool, --flange or --part may help, or a bin that you "
+            "place yourself"
         )
+
+
+def _few_axes(cell: Cell) -> str:
+    """A remark on arms with fewer axes than six, in brackets."""
+    axes = min(len(arm.joints) for arm in cell.arms)
+    return f" (with {axes} axes an arm cannot turn its tool every way)" if axes < 6 else ""
 
 
 def _no_home(cell: Cell) -> str:
@@ -215,11 +220,14 @@ def _no_home(cell: Cell) -> str:
 
 def _nothing(cell: Cell) -> str:
     sizes = [_mm(np.round(share * np.asarray(cell.bin.size), 2)) for share in SIZES]
+    names = [arm.flange for arm in cell.arms]
+    alone = f" For one of the arms alone: --flange {' or '.join(names)}." if len(names) > 1 else ""
     return (
         f"robot {cell.robot.name}: no bin of {' or '.join(sizes)} mm was found that its arms reach "
-        f"with the tool straight down, with a home and a place for parts beside it; tried were "
-        f"{len(DISTANCES)} distances and {len(HEIGHTS)} heights before, beside and behind it. Is "
-        "the flange right (--flange), and its z the way out of it?"
+        f"with the tool straight down{_few_axes(cell)}, with a home and a place for parts beside "
+        f"it; tried were {len(DISTANCES)} distances and {len(HEIGHTS)} heights before, beside and "
+        f"behind it.{alone} "
+        "Is the flange right (--flange), and its z the way out of it?"
     )
 
 

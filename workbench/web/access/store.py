@@ -8,7 +8,7 @@ import os
 import sqlite3
 import threading
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -161,9 +161,14 @@ class Store:
 
 
 def _make_private(path: Path) -> None:
-    """Have the file there, for its owner alone; SQLite gives the files beside it the same mode."""
+    """Have the file there, for its owner alone; SQLite gives the files beside it the same mode.
+
+    A file that is there is not opened: closing it would release the locks of this process's other
+    connections, and another process would then delete their write-ahead log.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
-    os.close(os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, OWNER_ONLY))
+    with suppress(FileExistsError):
+        os.close(os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, OWNER_ONLY))
     if path.stat().st_mode & 0o077:
         path.chmod(OWNER_ONLY)
 
