@@ -50,7 +50,7 @@ class Presence:
         self._connections = connections
         self._bar = bar
         self._stop = stop
-        self._stopping = ThreadPoolExecutor(1, thread_name_prefix="stop of the bar")
+        self._stopping = ThreadPoolExecutor(1, thread_name_prefix="presence-stop")
 
     async def socket(self, request: web.Request) -> web.StreamResponse:
         """A websocket that feeds the bar, again and again; the browser may say `STOP` on it."""
