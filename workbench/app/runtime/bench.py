@@ -199,11 +199,12 @@ class Bench:
                 raise CommandRefused(JobText.CLOSING())
             before, now = self._state, self._now()
             check_allowed(before, command, actor, now, joints, role)
-            if isinstance(command, SendPlan) and (problem := self._ages.find_lapse(before)):
-                raise CommandRefused(problem)
-            if isinstance(command, LinkEnded) and (problem := self._ages.find_lapse(before)):
+            lapse = self._ages.find_lapse(before, now)
+            if lapse is not None and isinstance(command, SendPlan):
+                raise CommandRefused(lapse)
+            if lapse is not None and isinstance(command, LinkEnded) and before.row:
                 # No plan of a row goes out by votes that have lapsed.
-                command = replace(command, row_ends=problem)
+                command = replace(command, row_ends=lapse)
                 form = command_form(command)
             entry = Entry(before.number + 1, now, actor, command, joints, role)
             after, effects = decide(before, entry)

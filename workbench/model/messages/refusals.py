@@ -56,6 +56,10 @@ class Refusal(Text, subject="refusal"):
     APPROVAL_LAPSED = (
         "the approval by {person} was valid for {minutes} minutes and has run out; approve again"
     )
+    CLOCK_SET_BACK = (
+        "the approval by {person} has run out after {minutes} minutes, although the clock says "
+        "otherwise: it was set back; approve again"
+    )
     TOO_FEW_PEOPLE = (
         "the cell wants {count} different people to approve a plan, this one has {people}"
     )
