@@ -206,6 +206,18 @@ def test_a_robot_program_fills_a_kit_and_begins_a_new_one(tmp_path):
         bench.close()
 
 
+def test_a_robot_program_that_begins_anew_gets_no_scan_of_the_run_before(bench, robot):
+    assert robot.ask("scan") == ("WAIT", "scan")
+    wait_until(lambda: bench.state.phase is Phase.SCANNED and bench.state.job is None)
+    before = bench.state.number
+    robot.close()
+    again = Program(bench.cell, bench.cell.controller.port, run=2)
+    assert again.ask("scan") == ("WAIT", "scan")
+    assert until_done(again, "scan") == ("OK", "scan")
+    assert bench.state.number == before + 2
+    again.close()
+
+
 def test_whoever_is_in_control_is_not_overruled(bench, robot):
     bench.do(TakeControl(), "anna")
     assert robot.ask("scan") == ("NO", "control")
@@ -237,7 +249,8 @@ def test_a_bin_is_chosen_by_its_number(tmp_path):
 
 def test_what_the_cell_does_not_have_is_answered_by_no(bench, robot):
     assert robot.ask("view") == ("NO", "view")
-    assert robot.ask("recipe", "7")[0] == "NO"
+    assert robot.ask("recipe", "7")[0] == robot.ask("recipe", "65535")[0] == "NO"
+    assert robot.ask("recipe", "65536")[0] == "ERR"
     assert robot.ask("kit")[0] == "NO"
     assert (robot.ask("bin", "1"), robot.ask("bin", "2")) == (("OK", "1"), ("NO", "bin"))
     assert robot.ask("leg", "1") == ("NO", "plan")

@@ -26,10 +26,11 @@ from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.bench import Bench
 from workbench.devices.pick_server.axes import axis_words
-from workbench.devices.pick_server.lines import BadLine, Request, read_whole
+from workbench.devices.pick_server.lines import LAST, BadLine, Request, read_whole
 from workbench.devices.pick_server.link import PickServer
 from workbench.devices.pick_server.options import form_of
 from workbench.model.errors import CommandRefused
+from workbench.model.recipes.recipe import HIGHEST_NUMBER, NO_RECIPE
 from workbench.model.robot import HOME, ArmScanner
 from workbench.plugins.robot_link import link_named
 
@@ -44,7 +45,8 @@ class BenchDesk:
     """Gives a bench the commands that a robot program asks for.
 
     A job that takes long begins by the first request and is answered `WAIT`; the same job, asked
-    again, has the result once.  Concurrency: the conversation calls it under its lock.
+    again in the same run of the robot program, has the result once.  Concurrency: the conversation
+    calls it under its lock.
     """
 
     def __init__(self, bench: Bench) -> None:
@@ -55,6 +57,10 @@ class BenchDesk:
     def phase(self) -> str:
         """Where the cycle stands."""
         return str(self._bench.state.phase)
+
+    def begin_anew(self) -> None:
+        """Give the new run no result of the one before: somebody may have rearranged the bin."""
+        self._begun = ""
 
     def answer(self, request: Request) -> Words:
         """What is answered; see `Desk.answer`."""
@@ -69,16 +75,16 @@ class BenchDesk:
                 case "next":
                     return self._next(state)
                 case "recipe":
-                    number = _whole(request, 9999, 0)
+                    number = _whole(request, HIGHEST_NUMBER, NO_RECIPE)
                     self._do(ChooseRecipe(number))
                     return "OK", str(number)
                 case "kit":
                     self._do(NewKit())
                     return "OK", "kit"
                 case "bin":
-                    return self._choose_bin(state, _whole(request, 9999, 1))
+                    return self._choose_bin(state, _whole(request, LAST, 1))
                 case "new-bin":
-                    return self._new_bin(state, _whole(request, 9999, 1))
+                    return self._new_bin(state, _whole(request, LAST, 1))
                 case "view" | "home" as goal:
                     return self._path(state, request.words, goal)
                 case "stop":

@@ -248,3 +248,12 @@ def test_the_file_is_read_again_when_it_was_written(tmp_path):
     assert bench.state.cell_problem == ""
     watch.close()
     assert len(bench.commands) == 3
+
+
+def test_a_cell_that_was_changed_meanwhile_is_not_replaced(approved):
+    mine = ChangeCell(with_bin_at(approved.cell, 0.5), "mine", was=approved.cell.digest)
+    theirs, _ = after(approved, ChangeCell(with_bin_at(approved.cell, 0.7), "theirs"))
+    with pytest.raises(CommandRefused, match="changed by somebody else"):
+        after(theirs, mine)
+    state, _ = after(approved, mine)
+    assert state.cell.digest == mine.cell.digest

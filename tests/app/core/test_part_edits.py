@@ -216,3 +216,14 @@ def test_a_bench_keeps_drafts_and_saves_versions(tmp_path, monkeypatch):
     )
     assert grasp_of(before.library.entries[0]).opening == pytest.approx(0.04)
     assert digest_of(now.library) == digest_of(read_cell(path).parts[0].library)
+
+
+def test_pairs_that_were_changed_meanwhile_are_not_replaced(localized):
+    part = localized.cell.parts[0]
+    name, was = part.library.entries[0].name, part.library.pairs
+    mine = EditPart(part.name, pairs=(GraspPair(name, name),), pairs_was=was)
+    theirs = EditPart(part.name, pairs=(GraspPair(name, name, True),), pairs_was=was)
+    state, _ = after(localized, theirs)
+    with pytest.raises(CommandRefused, match=r"pairs .* were changed by somebody else"):
+        after(state, mine)
+    assert after(localized, mine)[0].cell.parts[0].library.pairs[0].first == name

@@ -14,6 +14,9 @@ class FailingDesk:
     def phase(self):
         return "idle"
 
+    def begin_anew(self):
+        pass
+
 
 @pytest.fixture
 def hear(planned):

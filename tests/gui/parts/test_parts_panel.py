@@ -5,14 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.control import TakeControl
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.people import Person, Role
 from workbench.app.runtime.live import Live
+from workbench.gui.parts import panel as parts_panel
 from workbench.gui.parts.panel import PartsPanel
 from workbench.gui.shared.look import View
+from workbench.gui.uploads.reading import FittedScanner
+from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 
@@ -134,3 +138,21 @@ def test_colours_can_be_chosen_where_the_scan_has_some(panel, visitor, bench, dr
     bench.do(UseScan(scan), "Ada")
     draw()
     assert not panel._scan_colours.visible
+
+
+def test_a_cell_that_was_changed_while_a_scanner_was_fitted_stays_as_it_is(
+    panel, bench, scan, monkeypatch
+):
+    cell = bench.state.cell
+    moved = replace(cell, bin=replace(cell.bin, T_world_bin=pose_from_rpy((0.5, 0.0, 0.0))))
+    mount = replace(cell.scanner, depth_noise=0.0007)
+
+    def fit(*_, **__):
+        bench.do(ChangeCell(moved, "the bin is moved"), "Bob")
+        return FittedScanner(mount, cell.bin, ())
+
+    monkeypatch.setattr(parts_panel, "fitted_scanner", fit)
+    monkeypatch.setattr(parts_panel, "sent_scan", lambda *_, **__: scan)
+    with pytest.raises(CommandRefused, match="changed by somebody else"):
+        panel._fitted("pile.ply", b"", lambda: False)
+    assert bench.state.cell.digest == moved.digest

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import threading
 
 import pytest
 from attackers import PASSWORD, SECRET, run
@@ -57,6 +58,26 @@ def test_a_stop_is_done_in_the_name_of_the_login_and_answered(stoppable, stops, 
 
     run(look())
     assert [person.name for person in stops] == [name, name]
+
+
+def test_a_stop_waits_for_no_passwords_that_are_being_tried(stoppable, stops):
+    may_end, loop = threading.Event(), stoppable._running.loop
+
+    async def look():
+        async with raw_browser(stoppable.url) as browser:
+            await browser.log_in("Otto", PASSWORD)
+            origin = {"Origin": stoppable.url}
+            presence = await browser.session.ws_connect(f"{stoppable.url}/presence", headers=origin)
+            for _ in range(64):  # more than asyncio has threads
+                loop.call_soon_threadsafe(loop.run_in_executor, None, may_end.wait, PATIENCE)
+            await presence.send_str("stop")
+            assert (await answer_of(presence))["stopped"]
+
+    try:
+        run(look())
+    finally:
+        may_end.set()
+    assert len(stops) == 1
 
 
 @pytest.mark.parametrize("said", ["", "Stop", "stop ", '{"stop": true}', b"stop"])

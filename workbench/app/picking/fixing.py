@@ -43,7 +43,8 @@ def make_fix_command(state: State, fix: Fix) -> EditPart | ChangeCell:
         if fix.policy is None:
             raise InputError(FixText.NOT_HERE(change=fix.change))
         says = FixText.APPLIED_TO_CELL(change=fix.change)
-        return ChangeCell(replace(state.cell, policy=fix.policy), says)
+        after = replace(state.cell, policy=fix.policy)
+        return ChangeCell(after, says, was=state.cell.digest)
     part = state.cell.part((state.detections or ())[candidate.detection].part)
     entry = part.library.entry_of(candidate.grasp.name)
     if entry is None:

@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable
 
 from workbench.app.core.state import State
+from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
 from workbench.model.release import Vote
 
 
@@ -30,13 +32,17 @@ class VoteAges:
         now = self._steady()
         self._given = {vote: self._given.get(vote, now) for vote in state.votes}
 
-    def find_lapse(self, state: State) -> str:
-        """Why the votes of a state no longer let its plan out; empty while they do."""
+    def find_lapse(self, state: State, at: float) -> Message | None:
+        """Why a vote has run out that is valid by the time of day; None when there is none.
+
+        Args:
+            state: with the votes.
+            at: the time of day [s since the epoch].
+        """
         valid, now = state.cell.policy.approval_minutes * 60.0, self._steady()
         for vote in state.votes:
-            if now - self._given.get(vote, -math.inf) >= valid:
-                return (
-                    f"the approval by {vote.actor} has run out after {valid / 60:.0f} minutes, "
-                    "although the clock says otherwise: it was set back; approve again"
-                )
-        return ""
+            # By the time of day, too, it has run out: the rules say so, and no clock was set back.
+            is_old = at >= vote.at + valid
+            if not is_old and now - self._given.get(vote, -math.inf) >= valid:
+                return Refusal.CLOCK_SET_BACK(person=vote.actor, minutes=f"{valid / 60:.0f}")
+        return None

@@ -76,9 +76,10 @@ class Bench:
     votes and approvals: they let nothing out but in the bench that they were given to.
 
     Concurrency: every method may be called from any thread, except that an observer may not
-    call `close`.  Commands are serialised by a lock that is held for rules, decision and one
-    append to the journal, never for work.  Each observer has a thread of its own: a slow one
-    misses intermediate states and delays nobody.
+    call `close`.  Commands wait for each other, and for one append to the journal, never for
+    work.  Each observer has a thread of its own: a slow one misses intermediate states and
+    delays nobody.  `state`, `live`, `head`, `wait`, `subscribe` and `stop_sending` never wait for
+    the disk, and a stop acts before it does; the comment in `__init__` says which lock holds what.
     """
 
     def __init__(
@@ -109,7 +110,12 @@ class Bench:
         self.cell = cell
         self._journal = journal
         self._now = now
-        self._changed = threading.Condition()
+        # Two locks, taken in this order.  `_recording` is held for rules, decision, one append and
+        # the start of effects: as long as the disk takes, which may be for ever.  `_news` is held
+        # for moments, to read or change the state, the head and the observers.  What has to work
+        # while the disk hangs takes `_news` alone, or no lock; nothing waits inside `_news`.
+        self._recording = threading.RLock()
+        self._news = threading.Condition()
         self._observers: list[ObserverThread] = []
         self._is_ending = False
         self._is_closed = False
@@ -121,6 +127,7 @@ class Bench:
         self._state = State(cell, number=journal.count, saved=cell.digest)
         for _, state in replay(journal, cell):
             self._state = state
+        self._head = journal.count, journal.head
         self._end_what_was_interrupted()
         if start is not None:
             self.do(start, SESSION_START)
@@ -155,22 +162,28 @@ class Bench:
         Raises:
             CommandRefused: the rules do not admit it, or it could not be recorded (`NotRecorded`).
         """
+        if isinstance(command, Stop):
+            return self._stop(command, actor, role)
         # How the robot stands counts where a plan is let out, and is on record there.
         joints = self.live.joints if self._asks_for_joints(command) else NOT_REPORTED
         # Looked at before anything is made of its content, which may be anything.
         check_allowed(self._state, command, actor, self._now(), joints, role)
         check_installed(self._state, command)
-        if not isinstance(command, Stop):
-            return self._carry_out(command, actor, role, joints)
-        # It acts first: the lock may be held by another command, or for a disk that hangs.  Where
-        # the lock is free, the end that the stop brings is recorded after it.
-        is_held = self._changed.acquire(timeout=STOP_WAITS)
+        return self._carry_out(command, actor, role, joints)
+
+    def _stop(self, command: Stop, actor: str, role: Role) -> State:
+        """Stop, then record it: another command may hold the lock, or a disk that hangs."""
+        is_held = self._recording.acquire(timeout=STOP_WAITS)
+        if not is_held and self._state.phase is not Phase.SENDING:
+            # The command on its way to the disk may be the sending that this stop means.
+            is_held = self._recording.acquire()
         try:
+            check_allowed(self._state, command, actor, self._now(), role=role)
             self._run((StopSending(),))
-            return self._carry_out(command, actor, role, joints)
+            return self._carry_out(command, actor, role, NOT_REPORTED)
         finally:
             if is_held:
-                self._changed.release()
+                self._recording.release()
 
     def _carry_out(
         self, command: Command, actor: str, role: Role, joints: Mapping[str, float]
@@ -181,16 +194,17 @@ class Bench:
         # least of all a stop.
         form = command_form(command)
         self._keep(form)
-        with self._changed:
+        with self._recording:
             if self._is_ending and actor not in MACHINES:
                 raise CommandRefused(JobText.CLOSING())
             before, now = self._state, self._now()
             check_allowed(before, command, actor, now, joints, role)
-            if isinstance(command, SendPlan) and (problem := self._ages.find_lapse(before)):
-                raise CommandRefused(problem)
-            if isinstance(command, LinkEnded) and (problem := self._ages.find_lapse(before)):
+            lapse = self._ages.find_lapse(before, now)
+            if lapse is not None and isinstance(command, SendPlan):
+                raise CommandRefused(lapse)
+            if lapse is not None and isinstance(command, LinkEnded) and before.row:
                 # No plan of a row goes out by votes that have lapsed.
-                command = replace(command, row_ends=problem)
+                command = replace(command, row_ends=lapse)
                 form = command_form(command)
             entry = Entry(before.number + 1, now, actor, command, joints, role)
             after, effects = decide(before, entry)
@@ -207,6 +221,9 @@ class Bench:
                 raise NotRecorded(JobText.UNRECORDED(error=error.message)) from error
             self._publish(after)
             self._run(effects)
+            if self._is_ending:
+                # `stop_sending` waits for no lock: what it has not seen begin stops here.
+                self._run((StopSending(),))
         return after
 
     def _keep(self, form: CommandForm) -> None:
@@ -234,8 +251,7 @@ class Bench:
     @property
     def head(self) -> tuple[int, str]:
         """Number and hash of the last entry on record."""
-        with self._changed:
-            return self._journal.count, self._journal.head
+        return self._head
 
     def entries(self, after: int = 0) -> Iterator[Row]:
         """What is on record after the entry with that number, in order.
@@ -247,8 +263,8 @@ class Bench:
 
     def wait(self, until: Callable[[State], bool], seconds: float) -> State:
         """The state as soon as `until` holds for it, or as it is after `seconds`."""
-        with self._changed:
-            self._changed.wait_for(lambda: until(self._state), seconds)
+        with self._news:
+            self._news.wait_for(lambda: until(self._state), seconds)
             return self._state
 
     def subscribe(self, callback: Observer) -> Callable[[], None]:
@@ -259,12 +275,12 @@ class Bench:
         Returns:
             A function that ends it; a call under way is not waited for.
         """
-        with self._changed:
+        with self._news:
             observer = ObserverThread(callback, self._state)
             self._observers.append(observer)
 
         def unsubscribe() -> None:
-            with self._changed:
+            with self._news:
                 if observer in self._observers:
                     self._observers.remove(observer)
             observer.close()
@@ -274,33 +290,34 @@ class Bench:
     def stop_sending(self) -> None:
         """Stop the robot and take nothing more from people: the first step of an end.
 
-        Returns at once.  What else ends may take its time after that.
+        Returns at once, also while a disk hangs.  What else ends may take its time after that.
         """
-        with self._changed:
-            self._is_ending = True
-            if not self._is_closed:
-                self._run((StopSending(),))
+        self._is_ending = True
+        if not self._is_closed:
+            self._run((StopSending(),))
 
     def close(self) -> None:
         """Stop the robot and the worker, record that, and end; twice does no harm."""
-        with self._changed:
+        with self._news:
             if self._is_closed:
                 return
             self._is_ending = self._is_closed = True
         if self._effects is not None:
             self._effects.close()
-        with self._changed:
+        with self._news:
             observers, self._observers = self._observers, []
         for observer in observers:
             observer.close()
         self._journal.close()
 
     def _publish(self, state: State) -> None:
-        self._state = state
         self._ages.note(state)
-        for observer in self._observers:
-            observer.put(state)
-        self._changed.notify_all()
+        with self._news:
+            self._state = state
+            self._head = self._journal.count, self._journal.head
+            for observer in self._observers:
+                observer.put(state)
+            self._news.notify_all()
 
     def _run(self, effects: tuple[Effect, ...]) -> None:
         # Where a session begins, what is under way only ends: nothing carries out anything yet.

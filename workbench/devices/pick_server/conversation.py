@@ -165,6 +165,7 @@ class PickConversation:
                 carrying.doubt(ProtocolError(AskText.BEGAN_ANEW(where=carrying.where)))
             self._run, self._last, self._request, self._answer = run, 0, b"", b""
             self._is_ended = False
+            self.desk.begin_anew()
         self._owner, self._heard_at = owner, self._clock()
         self._changed.notify_all()
         words = ("OK", version, str(self.session), str(self._last))

@@ -24,6 +24,10 @@ class Desk(Protocol):
         """Where the cycle stands, in one word."""
         ...
 
+    def begin_anew(self) -> None:
+        """Another run of the robot program begins: it gets no result of an earlier run."""
+        ...
+
 
 class NoDesk:
     """Of a server where people alone scan, find and plan, for instance `workbench send`."""
@@ -35,3 +39,6 @@ class NoDesk:
     def phase(self) -> str:
         """Nothing is known."""
         return "waiting"
+
+    def begin_anew(self) -> None:
+        """It has no jobs."""

@@ -11,6 +11,7 @@ import logging
 import socket
 import threading
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
@@ -19,6 +20,7 @@ from asyncua.common.node import Node
 from asyncua.server.server import Server
 from asyncua.ua.status_codes import StatusCodes
 
+from workbench.app.core.cycle.sending import Stop
 from workbench.app.runtime.bench import Bench
 from workbench.extras.opcua.admission import PERSON, Door, OpcUaOptions
 from workbench.extras.opcua.bounds import LIMITS, is_bound, limit_messages
@@ -64,7 +66,8 @@ class OpcUa:
 
     Lifetime: from construction, which returns when clients can come, until `close`.
 
-    Concurrency: an event loop in a thread of its own; commands are given from other threads.
+    Concurrency: an event loop in a thread of its own, which never waits for the bench's disk.
+    Commands are given from other threads; a stop has a thread of its own.
     """
 
     def __init__(self, bench: Bench, options: OpcUaOptions):
@@ -83,6 +86,7 @@ class OpcUa:
         self._told: dict[str, Any] = {}
         self._loop = asyncio.new_event_loop()
         self._changed = asyncio.Event()
+        self._stopping = ThreadPoolExecutor(1, thread_name_prefix="opcua stop")
         self._thread = threading.Thread(target=self._loop.run_forever, name="opcua", daemon=True)
         self._thread.start()
         self._closed = False
@@ -128,6 +132,7 @@ class OpcUa:
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._loop.close()
+        self._stopping.shutdown(wait=False)
 
     async def _begin(self) -> tuple[Server, asyncio.Task[None]]:
         options = self._options
@@ -174,7 +179,11 @@ class OpcUa:
             return ua.StatusCode(ua.UInt32(StatusCodes.BadUserAccessDenied))
         try:
             command = method.make([variant.Value for variant in variants])
-            state = await asyncio.to_thread(self._bench.do, command, person.name, person.role)
+            # None: the threads of all other commands.
+            threads = self._stopping if isinstance(command, Stop) else None
+            state = await self._loop.run_in_executor(
+                threads, self._bench.do, command, person.name, person.role
+            )
         except WorkbenchError as error:
             done, says = False, str(error)
         except Exception as error:

@@ -141,7 +141,7 @@ class DriftGroup:
             raise InputError(NOTHING)
         by = self._who()
         says = EditText.SCANNER_MOVED(by=by)
-        return ChangeCell(self._found[1](time.time(), by), says)
+        return ChangeCell(self._found[1](time.time(), by), says, was=cell.digest)
 
 
 def course_html(thing: str, days: Ints, moved: Floats, words: Words = IN_ENGLISH) -> str:

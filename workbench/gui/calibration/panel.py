@@ -295,4 +295,4 @@ class CalibrationPanel:
         found = compute_calibration(state.cell, state.observations)
         cell = with_calibration(state.cell, found, time.time(), by)
         says = EditText.CALIBRATED(by=by, used=found.used)
-        return ChangeCell(cell, says)
+        return ChangeCell(cell, says, was=state.cell.digest)

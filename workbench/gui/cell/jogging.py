@@ -202,7 +202,8 @@ class JogControls:
         jog = self._visitor.own.now.jog
         if event.client is None or jog is None or name != self._arm.value:
             return
-        arm, cell = self._chosen, self._visitor.cell
+        cell = self._visitor.cell
+        arm = cell.arm(self._arm.value)
         shown = shown_axes(cell, arm, jog[name])
         for axis, slider in enumerate(self._axes[name]):
             if slider is event.target:
@@ -244,16 +245,15 @@ class JogControls:
         return jog[arm.name]
 
     def _wanted_home(self) -> Command:
-        arm = self._chosen
-        cell = with_home(
-            self._visitor.cell,
-            arm.name,
-            self._visitor.cell.controller.motion.rounded(self._now(arm)),
-        )
-        return ChangeCell(cell, EditText.HOME(arm=arm.name))
+        cell = self._visitor.cell
+        arm = cell.arm(self._arm.value)
+        home = cell.controller.motion.rounded(self._now(arm))
+        after = with_home(cell, arm.name, home)
+        return ChangeCell(after, EditText.HOME(arm=arm.name), was=cell.digest)
 
     def _wanted_place(self) -> Command:
-        arm = self._chosen
+        cell = self._visitor.cell
+        arm = cell.arm(self._arm.value)
         T = typed_pose(*shown_pose(self._chain(arm).pose(self._now(arm))))
-        cell = with_places(self._visitor.cell, arm.name, (*arm.Ts_world_place, T))
-        return ChangeCell(cell, EditText.PLACE_ADDED(arm=arm.name))
+        after = with_places(cell, arm.name, (*arm.Ts_world_place, T))
+        return ChangeCell(after, EditText.PLACE_ADDED(arm=arm.name), was=cell.digest)

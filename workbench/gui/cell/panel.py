@@ -257,9 +257,9 @@ class CellPanel:
         return nodes_with(self._visitor.cell, self._thing.value, T, as_checked=shapes)
 
     def _move(self, T: pin.SE3) -> bool:
-        thing = self._thing.value
+        thing, cell = self._thing.value, self._visitor.cell
         return self._visitor.ask(
             lambda: ChangeCell(
-                move_frame(self._visitor.cell, thing, T), EditText.MOVED(thing=thing)
+                move_frame(cell, thing, T), EditText.MOVED(thing=thing), was=cell.digest
             )
         )

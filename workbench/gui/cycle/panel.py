@@ -338,7 +338,8 @@ class CyclePanel:
         if check is None or check.T_world_bin is None:
             raise InputError("the bin is not seen anywhere")
         says = EditText.BIN_MOVED(shift=check.shift)
-        return ChangeCell(move_frame(state.cell, BIN, check.T_world_bin), says)
+        after = move_frame(state.cell, BIN, check.T_world_bin)
+        return ChangeCell(after, says, was=state.cell.digest)
 
     def _wanted_parts(self) -> FindParts:
         return FindParts(whole(self._seed.value))

@@ -191,6 +191,7 @@ class Editing:
                 self.part.library.entries,
                 library.entries,
                 pairs=library.pairs,
+                pairs_was=self.part.library.pairs,
                 says=says,
                 searches=library.searches,
             )
@@ -201,9 +202,12 @@ class Editing:
         says = GraspChange.SEARCH() if is_on else GraspChange.NO_SEARCH()
         return self._ask(EditPart(self.part.name, says=says, searches=is_on))
 
-    def set_pairs(self, pairs: Sequence[GraspPair], says: Message) -> bool:
-        """Which grasps go together."""
-        return self._ask(EditPart(self.part.name, pairs=tuple(pairs), says=says))
+    def set_pairs(
+        self, was: tuple[GraspPair, ...], pairs: Sequence[GraspPair], says: Message
+    ) -> bool:
+        """Which grasps go together, instead of the pairs that there were."""
+        edit = EditPart(self.part.name, pairs=tuple(pairs), says=says, pairs_was=was)
+        return self._ask(edit)
 
     def set_symmetry(self, symmetry: Symmetry) -> bool:
         """Say at which turns the part looks alike."""

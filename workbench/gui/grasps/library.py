@@ -50,7 +50,7 @@ class PairControls:
 
         @self._clear.on_click
         def _(_: Any) -> None:
-            editing.set_pairs((), GraspEditText.NO_PAIRS())
+            editing.set_pairs(editing.part.library.pairs, (), GraspEditText.NO_PAIRS())
 
     def show(self, part: Part, *, problem: str) -> None:
         """The part is this one now."""
@@ -66,9 +66,8 @@ class PairControls:
     def _add_pair(self) -> None:
         pair = GraspPair(self._first.value, self._second.value, bool(self._is_ordered.value))
         known = self._editing.part.library.pairs
-        self._editing.set_pairs(
-            (*known, pair), GraspEditText.PAIR(first=pair.first, second=pair.second)
-        )
+        says = GraspEditText.PAIR(first=pair.first, second=pair.second)
+        self._editing.set_pairs(known, (*known, pair), says)
 
 
 class LibraryControls:

@@ -354,7 +354,7 @@ class PartsPanel:
             if digest_of(fitted.bin) != digest_of(cell.bin):
                 size = " x ".join(f"{1000 * side:.0f}" for side in fitted.bin.size)
                 says = EditText.BIN_FITTED(file=name, size=size)
-            visitor.give(ChangeCell(after, says))
+            visitor.give(ChangeCell(after, says, was=cell.digest))
         for left in fitted.left:
             visitor.notify(name, sentence(visitor.words.render(left)), color="blue")
         return UseScan(scan)

@@ -56,6 +56,10 @@ class Refusal(Text, subject="refusal"):
     APPROVAL_LAPSED = (
         "the approval by {person} was valid for {minutes} minutes and has run out; approve again"
     )
+    CLOCK_SET_BACK = (
+        "the approval by {person} has run out after {minutes} minutes, although the clock says "
+        "otherwise: it was set back; approve again"
+    )
     TOO_FEW_PEOPLE = (
         "the cell wants {count} different people to approve a plan, this one has {people}"
     )
@@ -170,6 +174,11 @@ class ChangeRefusal(Text, subject="cell-change"):
     """Why the cell, its parts or the session are not changed."""
 
     CELL_AS_IT_WAS = "nothing of the cell was changed"
+    CELL_CHANGED = "the cell was changed by somebody else in the meantime; look and do this again"
+    PAIRS_CHANGED = (
+        "the pairs of grasps of part {part} were changed by somebody else in the meantime; look "
+        "and do this again"
+    )
     PART_AS_IT_WAS = "nothing of part {part} was changed"
     NO_UNDO = "there is no change of the cell to undo"
     NO_REDO = "there is no change of the cell to redo"

@@ -7,6 +7,7 @@ connection has to be opened over, one of them is late; this one is open all the 
 import asyncio
 import time
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
@@ -40,7 +41,8 @@ REPEAT = 2.0
 class Presence:
     """Who has the page open, and what their bar says.
 
-    Concurrency: the front's event loop only.
+    Concurrency: the front's event loop only; stops have a thread of their own, so that none waits
+    for passwords that are being tried.
     """
 
     def __init__(self, connections: Connections, bar: Bar, stop: Stopper):
@@ -48,6 +50,7 @@ class Presence:
         self._connections = connections
         self._bar = bar
         self._stop = stop
+        self._stopping = ThreadPoolExecutor(1, thread_name_prefix="presence-stop")
 
     async def socket(self, request: web.Request) -> web.StreamResponse:
         """A websocket that feeds the bar, again and again; the browser may say `STOP` on it."""
@@ -90,5 +93,6 @@ class Presence:
         async for message in browser:
             if message.type is not WSMsgType.TEXT or message.data != STOP:
                 return
-            why = await asyncio.to_thread(self._stop, person)
+            loop = asyncio.get_running_loop()
+            why = await loop.run_in_executor(self._stopping, self._stop, person)
             await browser.send_json({"stopped": not why, "why": say(why)})

@@ -48,7 +48,11 @@ MOST_UNDO = 50
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ChangeCell(Command):
-    """Go on with another cell; `says` names the change for people."""
+    """Go on with another cell; `says` names the change for people.
+
+    `was` is the digest of the cell that the other one was made from: a cell that somebody has
+    changed meanwhile is not replaced.  Empty in older sessions, and where nobody reads first.
+    """
 
     right: ClassVar[Right] = Right(
         CommandText.CHANGE_CELL, SAFE, role=Role.ENGINEER, changes_cell=True
@@ -56,10 +60,14 @@ class ChangeCell(Command):
 
     cell: Cell
     says: Message | str
+    was: str = field(default_factory=str, metadata=LATER)
 
     def check(self, state: State, asked: Asked) -> None:
         check_says("says", self.says)
         check_cell(self.cell)
+        check_text("was", self.was)
+        if self.was not in ("", state.cell.digest):
+            raise CommandRefused(ChangeRefusal.CELL_CHANGED())
         if self.cell.digest == state.cell.digest:
             raise CommandRefused(ChangeRefusal.CELL_AS_IT_WAS())
         try:

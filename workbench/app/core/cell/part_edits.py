@@ -1,7 +1,7 @@
 """Grasps and symmetry of a part: edited, and drafts of them that are dropped."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 from workbench.app.core.cell.changes import Changed, changed_cell
@@ -12,6 +12,7 @@ from workbench.app.core.state import State
 from workbench.app.core.value_checks import check_says
 from workbench.formats.parts.grasp_files import as_written
 from workbench.model.cell import Cell
+from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.commands import CommandText, GraspEditText
 from workbench.model.messages.message import Message
@@ -31,8 +32,8 @@ class EditPart(Command):
     """Change the grasps of a part, or its symmetry; undone and redone with the cell.
 
     `was` are the entries as the one who edits has seen them, `now` what shall stand in their
-    place: who edits something that was changed meanwhile is refused.  `searches`: of the library.
-    None: as it is.
+    place: who edits something that was changed meanwhile is refused.  So are `pairs_was` and
+    `pairs`.  `searches`: of the library.  None: as it is.
     """
 
     right: ClassVar[Right] = Right(
@@ -46,6 +47,7 @@ class EditPart(Command):
     symmetry: Symmetry | None = None
     says: Message | str = ""
     searches: bool | None = None
+    pairs_was: tuple[GraspPair, ...] | None = field(default_factory=lambda: None, metadata=LATER)
 
     def check(self, state: State, asked: Asked) -> None:
         check_says("says", self.says)
@@ -121,6 +123,10 @@ def edited_part(part: Part, edit: EditPart) -> Part:
     if edit.was or edit.now:
         library = edit_library(library, edit.was, as_written(GraspLibrary(edit.now)).entries)
     if edit.pairs is not None:
+        if edit.pairs_was is not None and digest_of(edit.pairs_was) != digest_of(
+            part.library.pairs
+        ):
+            raise InputError(ChangeRefusal.PAIRS_CHANGED(part=part.name))
         library = as_written(replace(library, pairs=edit.pairs))
     if edit.searches is not None:
         library = replace(library, searches=edit.searches)
