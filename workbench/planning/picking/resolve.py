@@ -142,8 +142,8 @@ def _that_can_be_put(
     its hand as well, those serve the others, which are tried later.
 
     Returns:
-        Solutions in their order, configurations (k, n) [rad] at a place by the hand's pose, and the
-        first refusal when no solution is left, that of a time that is over before all others.
+        Solutions in their order, and configurations (k, n) [rad] at a place by the hand's pose.
+        When no solution is left, the first refusal; before all others that the time is over.
     """
     detection = world.detections[candidate.detection]
     if not arm.places_for(detection.part):

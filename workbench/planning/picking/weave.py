@@ -1,11 +1,10 @@
 """The legs of two arms in the order that takes the least time, at once where they can.
 
 Each step of a plan is a leg of one arm, while the other stands where its last leg has ended; or a
-leg of both.  So an order is a way over a grid: so many legs of the first arm are done, so many of
-the second.  The quickest of the ways whose steps are all possible is taken; both at once is
-possible where the arms cannot meet at any speeds.  To look is what takes time.  So only the
-steps of the way are checked that would be the quickest, then those of the next one, as long as
-one of them is not possible.
+leg of both.  So an order is a path over a grid of how many legs of each arm are done.  The quickest
+path whose steps are all possible is taken; both arms move at once only where they cannot meet at
+any speeds.  Checks take the time: only the steps of the quickest path are checked, then, if one is
+impossible, those of the next path.
 """
 
 from collections.abc import Sequence

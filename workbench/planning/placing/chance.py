@@ -22,8 +22,8 @@ CONFIDENCE = 0.95
 class Counted:
     """What of an error makes a difference, in the part's frame.
 
-    The error is that of `point` (3,) [m] of the part, and of its turn, but for turns about each of
-    `free` (k, 3), no unit, which change nothing; they become unit vectors across each other.
+    The error is that of `point` (3,) [m] of the part, and of its turn.  Turns about the axes `free`
+    (k, 3), no unit, change nothing; they are made perpendicular to each other.
     """
 
     point: Floats

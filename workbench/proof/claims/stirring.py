@@ -53,9 +53,8 @@ class Content:
 def content_of(cell: Cell, scene: Scene) -> Content:
     """The boxes that stand for all that lies in the bin of a scene, and for parts over its walls.
 
-    An obstacle lies in the bin if it is wholly between the walls, to `SEEN_IN_WALL`, and no higher
-    than the rim or a part upright on the highest one.  What hangs over the bin, or lies on a wall,
-    does not.
+    An obstacle lies in the bin if it is wholly between the walls, to `SEEN_IN_WALL`.  It may be no
+    higher than the rim, or a part upright on the highest one.
     """
     kinds = [part.name for part in cell.parts]
     parts = [_extent_of_part(cell, found) for found in scene.detections]

@@ -48,6 +48,7 @@ from workbench.model.release import SLOWEST, PickResult
 from workbench.model.scan import ALL_KINDS, SearchOverrides
 from workbench.plugins.planner import planner_names
 from workbench.web.api.fields import Field
+from workbench.web.api.schemas import FLAG
 
 Values = Mapping[str, Any]
 
@@ -159,13 +160,7 @@ TOOL = (
 SCAN_FIELDS = (
     SEED,
     Field("parts", "in the simulated pile", _whole(0, MOST_PARTS), USUAL_PARTS),
-    Field(
-        "stays",
-        "with the seed and parts of the scan before, the simulated parts that are left stay; "
-        "otherwise all fall anew",
-        {"type": "boolean"},
-        True,
-    ),
+    Field("stays", "simulated parts left stay, if seed and parts are those before", FLAG, True),
 )
 
 FIND_FIELDS = (
@@ -204,16 +199,9 @@ PLAN_FIELDS = (
 
 CALLS: tuple[Call, ...] = (
     Call("/scan", "Take a scan.", TakeScan, SCAN_FIELDS, begins=True),
+    Call("/localize", "Find the parts in the scan.", FindParts, FIND_FIELDS, True, _find),
     Call(
-        "/localize", "Find the parts in the scan.", FindParts, FIND_FIELDS, begins=True, make=_find
-    ),
-    Call(
-        "/plan",
-        "Judge all candidates, make a plan and prove it.",
-        MakePlan,
-        PLAN_FIELDS,
-        begins=True,
-        make=_plan,
+        "/plan", "Judge candidates, make a plan and prove it.", MakePlan, PLAN_FIELDS, True, _plan
     ),
     Call(
         "/view",
@@ -294,7 +282,7 @@ CALLS: tuple[Call, ...] = (
             PLAN,
             ROW,
             Field("speed_share", "of the planned speed", _number(SLOWEST, 1.0), 1.0),
-            Field("is_stepped", "wait before each step", {"type": "boolean"}, default=False),
+            Field("is_stepped", "wait before each step", FLAG, default=False),
         ),
         make=_approve,
     ),
@@ -335,7 +323,7 @@ CALLS: tuple[Call, ...] = (
                 "index of the part in the plan, or the first one",
                 _whole(0, 10_000),
             ),
-            Field("is_picked", "whether it was", {"type": "boolean"}),
+            Field("is_picked", "whether it was", FLAG),
             Field("why", "what is known about a failure", _text(LONGEST_TEXT), ""),
             Field(
                 "result",
