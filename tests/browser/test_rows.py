@@ -53,6 +53,12 @@ def test_a_row_is_watched_approved_and_sent_and_gone_on_with(
     assert len(first.plans) == 2
     screen.wait_for("2 picks in a row; no part is left")
     screen.shoot("r1-planned")
+    table = screen.page.locator(".wb-plans:visible").first
+    widths = table.evaluate(
+        "one => [one, one.closest('.wb-span3').parentElement.parentElement]"
+        ".map(box => box.getBoundingClientRect().width)"
+    )
+    assert widths[0] > 0.85 * widths[1], "it has all columns of its group"
 
     screen.press("Leave out last")
     screen.wait_for("1 pick in a row, 1 left out")

@@ -77,7 +77,9 @@ def test_one_press_applies_what_was_tried_and_one_takes_it_back(stuck, visitor, 
     before = stuck.state.cell
     controls = FixInputs(visitor)
     help_ = Help(fix_words(fix), fix)
+    assert not controls._wide.visible, "what follows takes its own columns"
     controls.show(None, view_of(stuck.state), help_)
+    assert controls._wide.visible
     assert controls._apply.visible and not controls._undo.visible
     assert fix.candidate.grasp.name.split("-")[0] in controls._scope.content
     assert controls._scope.visible and "for every part of this kind" in controls._scope.content

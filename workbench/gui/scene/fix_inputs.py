@@ -22,7 +22,7 @@ class FixInputs:
         self._help = NO_HELP
         self._scope = visitor.gui.add_html("", visible=False)
         # In some languages it would take two lines where there is room for one.
-        visitor.gui.add_html('<div class="wb-wide"></div>')
+        self._wide = visitor.gui.add_html('<div class="wb-wide"></div>', visible=False)
         self._apply = visitor.gui.add_button(
             "Apply the fix",
             icon=viser.Icon.TOOL,
@@ -44,7 +44,8 @@ class FixInputs:
             return
         self._help, state = help, new.state
         fix = help.fix
-        self._apply.visible = fix is not None and (fix.grasp or fix.policy) is not None
+        can_apply = fix is not None and (fix.grasp or fix.policy) is not None
+        self._wide.visible = self._apply.visible = can_apply
         words = self._visitor.words
         scope = None if fix is None or not self._apply.visible else explain_fix(state, fix)
         self._scope.content = line(words.render(scope))

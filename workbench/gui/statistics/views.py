@@ -86,7 +86,7 @@ def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
         ("Cycles", f"{len(counted.cycles)}"),
         ("Parts taken", words.render(taken)),
         *([("Other outcomes", words.render(lost))] if dropped or double else []),
-        ("Parts per hour", words.render(hourly)),
+        *([] if hourly is None else [("Parts per hour", words.render(hourly))]),
         *(_kit_row(kit, words) for kit in counted.kits),
     ]
     hours = counted.by_hour()
