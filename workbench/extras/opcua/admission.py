@@ -145,7 +145,10 @@ class Door(UserManager):
         if username == operator.name and is_right:
             return operator
         self._failed.append(self._now())
-        log.warning("refused a login over OPC UA as %r", username)
+        why = (
+            "wrong password" if username == operator.name else f"the operator is {operator.name!r}"
+        )
+        log.warning("refused a login over OPC UA as %r: %s", username, why)
         if len(self._failed) == MOST_FAILURES and self._now() - self._failed[0] < WHILE:
             log.warning("for %g s nobody logs in over OPC UA: too many wrong passwords", WHILE)
         return None
