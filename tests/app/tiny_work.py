@@ -23,6 +23,10 @@ def count(cell, arguments, report, cancelled):
     return 5
 
 
+def bring_nothing(cell, arguments, report, cancelled):
+    return None
+
+
 def flood(cell, arguments, report, cancelled):
     for step in range(20_000):
         report(step / 20_000, "the same note")

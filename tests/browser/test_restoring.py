@@ -7,7 +7,7 @@ from functools import partial
 import pytest
 from hands import field, pause, unfold
 
-from workbench.app.records.keeping import BACKED_UP_FOLDERS, write_backup
+from workbench.app.records.keeping import WITHOUT_SESSIONS, write_backup
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.watch import CellWatch
@@ -22,7 +22,7 @@ def own(tmp_path, monkeypatch):
     for kind, name in (("robots", "yumi"), ("parts", "keyed_cylinder")):
         shutil.copytree(find(kind, name), tmp_path / kind / name)
     monkeypatch.chdir(tmp_path)
-    write_backup(tmp_path, tmp_path / "kept.zip", BACKED_UP_FOLDERS[:-1], {})
+    write_backup(tmp_path, tmp_path / "kept.zip", WITHOUT_SESSIONS, {})
     cell = tmp_path / "robots" / "yumi" / "cell.toml"
     text = cell.read_text()
     assert "[410, 0, -5]" in text

@@ -174,6 +174,12 @@ def log_loop_problem(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -
         loop.default_exception_handler(context)
 
 
+def _log_end(task: "asyncio.Task[None]") -> None:
+    """Log why a task has ended that should last as long as the front."""
+    if not task.cancelled() and (error := task.exception()) is not None:
+        log.critical("a task of the front has ended: nobody new may come in", exc_info=error)
+
+
 async def _is_login(request: web.Request) -> bool:
     """Whether a request comes from somebody."""
     return await identify(request) is not None
@@ -254,6 +260,8 @@ class _Running:
             assert runner.server is not None
             gate = Gate(self.bound, self.tls, self.limits, runner.server)
             tasks.append(asyncio.create_task(gate.serve()))
+            for task in tasks:
+                task.add_done_callback(_log_end)
             self.started.set_result(None)
             await self.stop.wait()
         except Exception as error:

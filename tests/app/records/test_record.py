@@ -11,6 +11,7 @@ import pinocchio as pin
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from idle import Idle
 
 from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.core.command import Entry
@@ -29,10 +30,11 @@ from workbench.app.records.forms import large_arrays, restore_value
 from workbench.app.records.record import command_form, entry_of, entry_record
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import new_session
+from workbench.app.runtime.bench import Bench
 from workbench.journal.journal import Journal
 from workbench.model.cell import Arm, PlanOverrides
 from workbench.model.digest import canonical, digest_of
-from workbench.model.errors import FileError, JobCancelled, JournalError
+from workbench.model.errors import CommandRefused, FileError, JobCancelled, JournalError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.message import plain
 from workbench.model.part import PartPlace
@@ -267,6 +269,23 @@ def test_an_entry_that_the_rules_refuse_ends_the_replay(journal, cell, samples):
     journal.append(record.kind, record.body, record.files)
     with pytest.raises(JournalError, match=r"entry 10 \(SendPlan\) was not in order.*run out"):
         list(replay(journal, cell))
+
+
+def test_a_session_is_continued_that_stricter_rules_would_refuse(
+    journal, cell, samples, monkeypatch
+):
+    run(journal, cell, cycle(samples)[:4])
+
+    def refuse(command, state, asked):
+        raise CommandRefused("a rule that is newer than this session")
+
+    monkeypatch.setattr(UseScan, "check", refuse)
+    monkeypatch.setattr(TakeScan, "check", refuse)
+    with pytest.raises(JournalError, match="was not in order: a rule that is newer"):
+        list(replay(journal, cell))
+    bench = Bench(cell, journal, effects=Idle)
+    assert bench.state.scan is not None
+    bench.close()
 
 
 def test_a_state_other_than_recorded_ends_the_replay(journal, cell, samples):

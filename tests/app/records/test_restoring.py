@@ -2,13 +2,22 @@
 
 import shutil
 import zipfile
+from contextlib import nullcontext
 
 import pytest
 
-from workbench.app.records.keeping import BACKED_UP_FOLDERS, write_backup
-from workbench.app.records.restoring import KEPT_USERS, Thing, look_apart, restore_apart
+from workbench.app.records.keeping import WITHOUT_SESSIONS, write_backup
+from workbench.app.records.restoring import (
+    BACKUPS,
+    KEPT_USERS,
+    Thing,
+    look_apart,
+    restore_and_log,
+    restore_apart,
+)
+from workbench.formats.files.change_log import LOG
 from workbench.formats.files.shipped import find
-from workbench.model.errors import InputError
+from workbench.model.errors import CommandRefused, InputError
 
 
 @pytest.fixture
@@ -24,7 +33,7 @@ def content(home):
 
 def test_looking_changes_nothing_and_restoring_what_was_told(home, tmp_path):
     kept = tmp_path / "kept.zip"
-    write_backup(home, kept, BACKED_UP_FOLDERS[:-1], {})
+    write_backup(home, kept, WITHOUT_SESSIONS, {})
     first = content(home)
     (home / "robots" / "tx2_90" / "cell.toml").write_text("mine")
     before = content(home)
@@ -47,7 +56,7 @@ def test_looking_changes_nothing_and_restoring_what_was_told(home, tmp_path):
 )
 def test_what_is_broken_or_hostile_is_refused_whole(home, tmp_path, changed, says):
     kept, bad = tmp_path / "kept.zip", tmp_path / "bad.zip"
-    write_backup(home, kept, BACKED_UP_FOLDERS[:-1], {})
+    write_backup(home, kept, WITHOUT_SESSIONS, {})
     with zipfile.ZipFile(kept) as old, zipfile.ZipFile(bad, "w", zipfile.ZIP_DEFLATED) as new:
         for name, data in ({name: old.read(name) for name in old.namelist()} | changed).items():
             new.writestr(name, data)
@@ -57,3 +66,21 @@ def test_what_is_broken_or_hostile_is_refused_whole(home, tmp_path, changed, say
         restore_apart(bad, home)
     assert str(home) not in str(refused.value)
     assert content(home) == before
+
+
+def test_what_is_replaced_is_kept_first_and_who_restored_is_in_the_log(home, tmp_path, monkeypatch):
+    kept = tmp_path / "kept.zip"
+    write_backup(home, kept, WITHOUT_SESSIONS, {})
+    monkeypatch.chdir(home)
+    checked = []
+
+    def check():
+        checked.append(BACKUPS.exists())
+        with pytest.raises(CommandRefused, match="somebody restores a backup just now"):
+            restore_and_log(lambda: nullcontext(kept), "kept.zip", "Bob", lambda: None)
+
+    before = restore_and_log(lambda: nullcontext(kept), "kept.zip", "Ada", check)
+    assert checked == [False, True], "before anything is written, and once more after the backup"
+    assert before.is_file()
+    (line,) = (BACKUPS / LOG).read_text().splitlines()
+    assert '"Ada"' in line and before.name in line

@@ -209,6 +209,23 @@ def test_a_worker_that_cannot_start_refuses_jobs_with_the_reason(cell, listener,
     jobs.close()
 
 
+def test_a_first_worker_that_cannot_be_made_leaves_jobs_to_the_next(cell, listener, monkeypatch):
+    monkeypatch.syspath_prepend(HERE)
+    start, tries = multiprocessing.context.SpawnProcess.start, []
+
+    def fail_once(process):
+        tries.append(process)
+        if len(tries) == 1:
+            raise RuntimeError("can't start new thread")
+        start(process)
+
+    monkeypatch.setattr(multiprocessing.context.SpawnProcess, "start", fail_once)
+    jobs = Jobs(cell, listener.ended, listener.progressed, module="tiny_work")
+    wait_until(lambda: tries)
+    worker_of(jobs, listener)
+    jobs.close()
+
+
 def test_a_listener_that_fails_is_logged_and_the_next_job_runs(cell, monkeypatch, caplog):
     monkeypatch.syspath_prepend(HERE)
     results = queue.Queue()

@@ -45,3 +45,8 @@ def test_what_ended_the_job_is_raised(cell):
     with pytest.raises(FileError, match="is truncated"):
         asked(cell, "refuse")
     assert not workers()
+
+
+def test_a_job_may_end_without_a_value(cell):
+    assert asked(cell, "bring_nothing") is None
+    assert not workers()

@@ -159,6 +159,11 @@ def test_what_was_compiled_of_other_sources_is_not_taken(loop, monkeypatch, tmp_
     assert not is_ready("seeing")
 
 
+def test_a_library_that_prints_no_text_stops_nobody(folder):
+    (folder / "garbled").touch()
+    assert make_ready(lambda done, note: None, ("seeing",))
+
+
 def test_what_cannot_be_compiled_ahead_stops_nobody_and_why_is_logged(folder, caplog):
     (folder / "broken").touch()
     with caplog.at_level(logging.WARNING):

@@ -45,7 +45,7 @@ def writing(bench, cell, monkeypatch):
         assert may_go.wait(PATIENCE)
         raise FileError("cell.toml", "the disk is gone")
 
-    monkeypatch.setattr(effect_runner, "part_folders", fail)
+    monkeypatch.setattr(effect_runner, "read_cell", fail)
     monkeypatch.setattr(bench._effects, "_cell_file", "cell.toml")
     bench.do(ChangeCell(replace(cell, name="other"), "renamed"), "ada")
     bench.do(SaveCell("why"), "ada")
@@ -112,14 +112,43 @@ def test_a_cell_that_cannot_be_written_leaves_its_parts_and_drafts(edited, place
     folder = part_folders(place)["keyed_cylinder"]
     wait_until((folder / DRAFT).exists)
     before = (folder / "grasps.toml").read_bytes()
-    # Somebody has renamed a fixture in the file, which saving never does.
-    text = place.read_text()
-    assert '[[fixture]]\nname = "table"' in text
-    place.write_text(text.replace('"table"', '"desk"'))
+    # Saving never renames a fixture.
+    cell = edited.state.cell
+    renamed = tuple(replace(fixture, name=f"{fixture.name}-2") for fixture in cell.fixtures)
+    edited.do(ChangeCell(replace(cell, fixtures=renamed), "other names"), "ada")
     edited.do(SaveCell(""), "ada")
     wait_until(lambda: "cannot be written into the file" in edited.state.cell_problem)
     assert (folder / "grasps.toml").read_bytes() == before
     assert (folder / DRAFT).exists()
+
+
+def test_files_that_somebody_has_changed_are_not_written_and_read_then(edited, place):
+    mine = edited.state.cell.digest
+    theirs = place.read_text().replace("position_mm = [410, 0, -5]", "position_mm = [420, 0, -5]")
+    place.write_text(theirs)
+    edited.do(SaveCell(""), "ada")
+    wait_until(lambda: "were changed since they were read" in edited.state.cell_problem)
+    assert place.read_text() == theirs
+    wait_until(lambda: not edited.live.is_saving)
+    watch = CellWatch(place, edited, every=0.02)
+    try:
+        wait_until(lambda: edited.state.cell_problem == "")
+        assert edited.state.cell.bin.T_world_bin.translation[0] == 0.42
+        assert edited.state.before[0].cell.digest == mine, "an undo brings back what was not saved"
+    finally:
+        watch.close()
+
+
+def test_an_edit_before_the_watch_began_is_read(place, tmp_path):
+    bench = Bench(read_cell(place), Journal(tmp_path / "session"), effects=Idle)
+    theirs = place.read_text().replace("position_mm = [410, 0, -5]", "position_mm = [420, 0, -5]")
+    place.write_text(theirs)
+    watch = CellWatch(place, bench, every=0.02)
+    try:
+        wait_until(lambda: bench.state.cell.bin.T_world_bin.translation[0] == 0.42)
+    finally:
+        watch.close()
+        bench.close()
 
 
 def test_a_save_that_failed_half_way_gives_up_nothing(edited, place, monkeypatch):
@@ -157,7 +186,7 @@ def test_a_broken_cell_in_a_folder_whose_name_is_no_text_is_told(cell, tmp_path)
     folder.mkdir()
     (folder / "cell.toml").write_text("nothing of a cell")
     bench = Bench(cell, Journal(tmp_path / "session"), effects=Idle)
-    watch = CellWatch(folder / "cell.toml", bench, every=0.02, is_read=False)
+    watch = CellWatch(folder / "cell.toml", bench, every=0.02)
     try:
         state = bench.wait(lambda state: state.cell_problem != "", PATIENCE)
         assert "cell?" in state.cell_problem and state.phase is Phase.IDLE

@@ -1,4 +1,4 @@
-"""While the journal hangs in an append, a PLC reads the state and stops the robot."""
+"""While our side hangs or fails, a PLC reads the state and stops the robot."""
 
 import asyncio
 
@@ -14,6 +14,7 @@ from workbench.app.core.cycle.sending import SendPlan, Sent
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import StopSending
 from workbench.app.core.people import Person, Role
+from workbench.extras.opcua import server as opcua_server
 from workbench.extras.opcua.admission import OpcUaOptions
 from workbench.extras.opcua.server import NAMESPACE, OpcUa
 from workbench.model.release import Receipt
@@ -61,5 +62,35 @@ def test_a_plc_reads_and_stops_while_the_disk_hangs(site, monkeypatch):
     try:
         with disk.during(site.bench.do, receipt, "robot link"):
             asyncio.run(stop())
+    finally:
+        server.close()
+
+
+def test_a_state_that_cannot_be_told_once_is_told_the_next_time(site, monkeypatch):
+    server = OpcUa(site.bench, OpcUaOptions(0, Person("plc", Role.OPERATOR)))
+    tell, failures = opcua_server.values_of, []
+
+    def fail_once(*words):
+        if not failures:
+            failures.append(words)
+            raise ValueError("a value of another type")
+        return tell(*words)
+
+    monkeypatch.setattr(opcua_server, "values_of", fail_once)
+
+    async def watch():
+        async with Client(server.url, timeout=PATIENCE) as client:
+            space = await client.get_namespace_index(NAMESPACE)
+            cell = await client.nodes.objects.get_child(f"{space}:Workbench")
+            phase = await cell.get_child(f"{space}:Phase")
+            site.bench.do(TakeScan(), "Ada")
+            await asyncio.to_thread(site.reach, "scanned")
+            await asyncio.to_thread(wait_until, lambda: failures)
+            async with asyncio.timeout(PATIENCE):
+                while await phase.read_value() != "scanned":
+                    await asyncio.sleep(0.02)
+
+    try:
+        asyncio.run(watch())
     finally:
         server.close()

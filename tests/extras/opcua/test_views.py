@@ -1,4 +1,4 @@
-"""Views of a scanner on an arm as a PLC reads and chooses them, and has the path there planned."""
+"""Views of a scanner on an arm as a PLC reads and chooses them; whose act an acknowledgement is."""
 
 from dataclasses import replace
 
@@ -7,9 +7,10 @@ from arm_scanner_cell import on_arm_cell, with_lower_view
 from prepared_bench import make_results
 
 from workbench.app.core.cycle.empty_hand import PlanView
+from workbench.app.core.people import Role
 from workbench.extras.opcua.methods import METHODS
 from workbench.extras.opcua.values import values_of
-from workbench.model.errors import CommandRefused
+from workbench.model.errors import CommandRefused, NotAllowed
 
 
 @pytest.fixture(scope="module")
@@ -32,3 +33,11 @@ def test_a_plc_reads_and_chooses_views_by_name(site):
         bench.do(methods["ChooseView"](["high"]), "plc")
     assert methods["PlanView"](["home"]).view == "home"
     assert isinstance(methods["PlanView"]([""]), PlanView)
+
+
+def test_the_role_of_the_login_decides_who_acknowledges_a_fault(site):
+    (acknowledge,) = (method.make([]) for method in METHODS if method.name == "Acknowledge")
+    with pytest.raises(NotAllowed):
+        site.bench.do(acknowledge, "vic", Role.VIEWER)
+    with pytest.raises(CommandRefused, match="no fault"):
+        site.bench.do(acknowledge, "plc", Role.OPERATOR)

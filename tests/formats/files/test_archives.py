@@ -1,8 +1,10 @@
 """Zip files from anywhere: nothing in them gets outside the folder, or fills the disk."""
 
 import contextlib
+import os
 import stat
 import zipfile
+from pathlib import Path
 
 import pytest
 
@@ -30,6 +32,24 @@ def test_the_same_content_gives_the_same_bytes(tmp_path):
     for name in ("x.zip", "y.zip"):
         write_archive(tmp_path / name, {"c.txt": b"hello"})
     assert (tmp_path / "x.zip").read_bytes() == (tmp_path / "y.zip").read_bytes()
+
+
+def test_a_zip_file_gets_its_name_when_all_of_it_is_on_the_disk(tmp_path, monkeypatch):
+    steps, sync, rename = [], os.fsync, Path.replace
+
+    def synced(descriptor):
+        steps.append(os.readlink(f"/proc/self/fd/{descriptor}"))
+        sync(descriptor)
+
+    def renamed(path, target):
+        steps.append("renamed")
+        return rename(path, target)
+
+    monkeypatch.setattr(os, "fsync", synced)
+    monkeypatch.setattr(Path, "replace", renamed)
+    write_archive(tmp_path / "kept.zip", {"one": b"1"})
+    assert "partial" in steps[0]
+    assert steps[1:] == ["renamed", str(tmp_path)]
 
 
 def test_a_file_that_cannot_be_read_leaves_no_half_of_a_zip_file(tmp_path):

@@ -189,6 +189,24 @@ def test_a_filled_library_is_added_in_one_step_and_undone_in_one(bench, visitor,
     assert digest_of(bench.state.cell.part(PART).library) == digest_of(before)
 
 
+def test_what_was_found_is_added_to_its_part_also_where_another_is_in_hand_by_now(
+    bench, visitor, two_parts, monkeypatch
+):
+    editing, new = Editing(visitor), (replace(HAND, name="across"),)
+
+    def fill(*_):
+        editing.choose(part=two_parts.name)
+        return found_by_filling(*new)
+
+    monkeypatch.setattr(fill_process, "fill_apart", fill)
+    FillControls(visitor, editing)._search._work()
+    library = bench.state.cell.part(PART).library
+    assert library.entries[-1].name == "across" and library.searches
+    other = bench.state.cell.part(two_parts.name)
+    assert digest_of(other.library) == digest_of(two_parts.library)
+    assert editing.part.name == two_parts.name
+
+
 def test_a_filling_that_is_stopped_adds_nothing(bench, visitor, monkeypatch):
     def stopped(cell, part, report, given_up):
         controls._search._cancelled.set()

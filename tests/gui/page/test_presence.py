@@ -6,6 +6,7 @@ from workbench.app.core.control import TakeControl
 from workbench.app.core.people import NOBODY, Person, Role
 from workbench.gui.page.control import control_message
 from workbench.gui.page.presence import GRACE, BrowserCount
+from workbench.model.errors import NotRecorded
 
 ADA = Person("Ada", Role.ENGINEER)
 BOB = Person("Bob", Role.OPERATOR)
@@ -80,6 +81,23 @@ def test_whoever_was_in_control_before_the_workbench_began_again_has_a_while_to_
     presence.look(100.0 + GRACE - 1)
     assert bench.state.control == "Bob"
     presence.look(100.0 + GRACE)
+    assert bench.state.control == ""
+
+
+def test_control_goes_with_its_person_also_when_the_disk_was_full_at_first(
+    bench, presence, monkeypatch
+):
+    presence.enter(1, BOB)
+    presence.leave(1, 0.0)
+    with monkeypatch.context() as full:
+
+        def fail(*_):
+            raise NotRecorded("no space left on device")
+
+        full.setattr(bench, "do", fail)
+        presence.look(GRACE)
+    assert bench.state.control == "Bob"
+    presence.look(2 * GRACE)
     assert bench.state.control == ""
 
 

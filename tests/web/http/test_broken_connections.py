@@ -5,7 +5,10 @@ import errno
 import logging
 
 import pytest
+import requests
+from waiting import PATIENCE
 
+from workbench.web.http.connection_limits import ConnectionLimits
 from workbench.web.server import log_loop_problem
 
 
@@ -39,3 +42,19 @@ def test_only_what_somebody_has_to_look_at_is_told(caplog, error, is_told):
 def test_the_front_tells_so(front):
     running = front._running
     assert running.loop.get_exception_handler() is log_loop_problem
+
+
+def test_a_connection_that_cannot_be_taken_in_ends_no_other(front, monkeypatch):
+    enter, failed = ConnectionLimits.enter, []
+
+    def fail_once(limits, *about):
+        if not failed:
+            failed.append(about)
+            raise ValueError("a peer without an address")
+        return enter(limits, *about)
+
+    monkeypatch.setattr(ConnectionLimits, "enter", fail_once)
+    with pytest.raises(requests.ConnectionError):
+        requests.get(f"{front.url}/healthz", timeout=PATIENCE)
+    assert failed
+    assert requests.get(f"{front.url}/healthz", timeout=PATIENCE).ok

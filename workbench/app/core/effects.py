@@ -63,12 +63,17 @@ class UseCell:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WriteCell:
-    """Write a cell to the file that it came from; answered by one `CellRead`."""
+    """Write a cell to the file that it came from; answered by one `CellRead`.
+
+    `saved` is the digest of the cell as the file was read last: a file that holds another one by
+    now is not written.
+    """
 
     cell: Cell
     remark: str
     actor: str
     at: float
+    saved: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)

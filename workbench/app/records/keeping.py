@@ -14,7 +14,10 @@ from workbench.model.errors import InputError
 
 FORMAT = "workbench-backup/1"
 MANIFEST = "backup.json"
-BACKED_UP_FOLDERS = ("robots", "parts", "sessions")
+WITHOUT_SESSIONS = ("robots", "parts")
+"""Folders of a backup that holds cells and parts alone."""
+
+BACKED_UP_FOLDERS = (*WITHOUT_SESSIONS, "sessions")
 """Folders below the working directory that are kept; each thing is a folder or a file in them."""
 
 

@@ -7,21 +7,41 @@ comes from outside may end a process, and cells name parts below the working dir
 import contextlib
 import filecmp
 import json
-from collections.abc import Generator
+import logging
+import threading
+import time
+from collections.abc import Callable, Generator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
 
-from workbench.app.records.keeping import BACKED_UP_FOLDERS, FORMAT, MANIFEST, files_of, things_in
+from workbench.app.records.keeping import (
+    BACKED_UP_FOLDERS,
+    FORMAT,
+    MANIFEST,
+    WITHOUT_SESSIONS,
+    files_of,
+    things_in,
+    write_backup,
+)
 from workbench.app.records.session_archive import check_journal
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.archives import unpacked_beside
+from workbench.formats.files.change_log import LOG, add_line, utc
 from workbench.formats.files.reader_process import Answer, apart, finish
-from workbench.formats.files.whole_files import read_whole
+from workbench.formats.files.whole_files import make_folder, read_whole
 from workbench.formats.parts.reading import read_part
-from workbench.model.errors import FileError, InputError
+from workbench.model.errors import CommandRefused, FileError, InputError
 from workbench.model.messages.files import FileProblem, FileText
 from workbench.plugins.progress import Cancelled, never
+
+log = logging.getLogger(__name__)
+
+BACKUPS = Path("backups")
+"""Below the working directory: what was there before something was restored, and a log."""
+
+_RESTORING = threading.Lock()
+"""One restores at a time, whoever asks."""
 
 KEPT_USERS = "users.json"
 """The users in a backup, if it has them."""
@@ -213,3 +233,47 @@ def looked_into(file: Path, root: str, is_put: bool) -> Answer:
     except FileError as error:
         name = file.name if error.path == str(file) else error.path
         raise InputError(FileText.PROBLEM(path=name, problem=error.problem)) from None
+
+
+def restore_and_log(
+    opened: Callable[[], contextlib.AbstractContextManager[Path]],
+    name: str,
+    by: str,
+    check: Callable[[], None],
+) -> Path:
+    """Restore a backup into the working directory; what it replaces is kept as a backup first.
+
+    Args:
+        opened: has the backup as a file for a while.
+        name: of the backup, for the log.
+        by: the name of the person who restores it.
+        check: raises what speaks against it now; called again before anything is replaced.
+
+    Returns:
+        The backup of what was there before.
+
+    Raises:
+        CommandRefused: somebody else restores a backup now, or `check` refuses.
+        FileError: something cannot be read or written.
+        InputError: the backup cannot be used.
+    """
+    if not _RESTORING.acquire(blocking=False):
+        raise CommandRefused(FileProblem.RESTORES_NOW())
+    try:
+        check()
+        make_folder(BACKUPS)
+        at = time.time()
+        before = BACKUPS / f"before-{utc(at).replace(':', '')}.zip"
+        write_backup(Path.cwd(), before, WITHOUT_SESSIONS, {})
+        check()  # that may have taken a while
+        with opened() as file:
+            things = restore_apart(file, Path.cwd())
+        changed = [
+            f"{thing.kind}/{thing.name}" for thing in things if thing.fate in ("new", "replaced")
+        ]
+        said = {"by": by, "restored": name, "before": before.name}
+        add_line(BACKUPS / LOG, {"at": utc(at), **said, "changed": changed})
+    finally:
+        _RESTORING.release()
+    log.warning("%s has restored %s: %s", by, name, ", ".join(changed))
+    return before

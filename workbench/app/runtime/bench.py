@@ -125,7 +125,7 @@ class Bench:
         if journal.count == 0:
             begin(journal, cell, now())
         self._state = State(cell, number=journal.count, saved=cell.digest)
-        for _, state in replay(journal, cell):
+        for _, state in replay(journal, cell, is_judged=False):
             self._state = state
         self._head = journal.count, journal.head
         self._end_what_was_interrupted()

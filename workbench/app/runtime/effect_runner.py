@@ -78,6 +78,8 @@ class EffectRunner:
         self._do = do
         self._now = now
         self._cell_file = cell_file
+        # Files that hold half of what was to be saved; known to the thread of files alone.
+        self._is_half_saved = False
         self._lock = threading.Lock()
         # One after the other, and not while others wait for the bench: a disk may be slow.
         self._files = ThreadPoolExecutor(1, "files")
@@ -180,7 +182,7 @@ class EffectRunner:
             show_problem=self._show_unrecorded,
             is_waiting=True,
         )
-        if command.cell is not None:
+        if not self._is_half_saved:
             self._show(is_saving=False)
 
     def _save(self, effect: WriteCell) -> tuple[Cell, Message]:
@@ -191,11 +193,14 @@ class EffectRunner:
         """
         if self._cell_file is None:
             raise InputError(JobText.NO_CELL_FILE())
+        if not self._is_half_saved and read_cell(self._cell_file).digest != effect.saved:
+            raise InputError(JobText.FILES_CHANGED())
         folders = part_folders(self._cell_file, [part.name for part in effect.cell.parts])
         saved, before = list[Message](), read_whole(self._cell_file, LARGEST_FILE)
         filed = tuple(read_part(folders[part.name]) for part in effect.cell.parts)
         # Asked before anything is written: half of it would look like a change from outside.
         written_cell(self._cell_file, replace(effect.cell, parts=filed))
+        self._is_half_saved = True
         for old, part in zip(filed, effect.cell.parts, strict=True):
             version = save_part(
                 folders[part.name],
@@ -213,7 +218,9 @@ class EffectRunner:
         if not saved or read_whole(self._cell_file, LARGEST_FILE) != before:
             saved.append(JobText.THE_CELL())
         log_change(self._cell_file, effect.cell, effect.actor, effect.at, effect.remark)
-        return read_cell(self._cell_file), JobText.SAVED(things=saved)
+        cell = read_cell(self._cell_file)
+        self._is_half_saved = False
+        return cell, JobText.SAVED(things=saved)
 
     def _show(self, **changes: Any) -> None:
         if joints := changes.get("joints"):

@@ -162,20 +162,26 @@ class Jobs:
             self._rope.send_bytes(b"!")
 
     def _run(self) -> None:
-        self._replace_worker()
+        self._attempt(self._replace_worker)
         while not self._closing:
-            try:
-                self._follow_cancels()
-                self._begin_next()
-                self._wait_and_listen()
-                if self._kill_at is not None and time.monotonic() >= self._kill_at:
-                    self._bury()
-            except Exception as error:
-                # No memory to pack a task, say: the tasks after it have to run all the same.
-                log.exception("the thread of tasks has failed")
-                self._begin_anew(error)
+            self._attempt(self._take_turn)
         if self._worker is not None:
             self._worker.kill()
+
+    def _attempt(self, step: Callable[[], None]) -> None:
+        try:
+            step()
+        except Exception as error:
+            # No memory to pack a task, say: the tasks after it have to run all the same.
+            log.exception("the thread of tasks has failed")
+            self._begin_anew(error)
+
+    def _take_turn(self) -> None:
+        self._follow_cancels()
+        self._begin_next()
+        self._wait_and_listen()
+        if self._kill_at is not None and time.monotonic() >= self._kill_at:
+            self._bury()
 
     def _begin_anew(self, error: Exception) -> None:
         """End what runs, or all that waits if nothing does; the next task gets a new worker."""

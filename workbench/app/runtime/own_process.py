@@ -13,6 +13,9 @@ from workbench.plugins.progress import Report
 NUMBER = 1
 """Of the only job."""
 
+NOTHING_YET: Any = object()
+"""Stands for a result that has not come; a job may end with any value, None included."""
+
 POLL_EVERY = 0.2
 """[s] How soon it is noticed that somebody gives up."""
 
@@ -48,8 +51,8 @@ def in_own_process(
     )
     try:
         jobs.start(NUMBER, name, arguments)
-        is_cancelled, result = False, None
-        while result is None:
+        is_cancelled, result = False, NOTHING_YET
+        while result is NOTHING_YET:
             if given_up.is_set() and not is_cancelled:
                 jobs.cancel(NUMBER)
                 is_cancelled = True

@@ -96,6 +96,7 @@ def _compiling(use: Use, news: SimpleQueue[tuple[Use, float | None]]) -> Generat
             stdout=subprocess.PIPE,
             stderr=errors,
             text=True,
+            errors="replace",
         ) as process,
     ):
         listener = threading.Thread(target=_listen, args=(process.stdout, use, news), daemon=True)
@@ -115,8 +116,11 @@ def _compiling(use: Use, news: SimpleQueue[tuple[Use, float | None]]) -> Generat
 
 
 def _listen(output: IO[str] | None, use: Use, news: SimpleQueue[tuple[Use, float | None]]) -> None:
-    for line in output or ():
-        # A library may say something too.
-        with contextlib.suppress(ValueError):
-            news.put((use, min(max(float(line), 0.0), 1.0)))
-    news.put((use, None))
+    try:
+        for line in output or ():
+            # A library may say something too.
+            with contextlib.suppress(ValueError):
+                news.put((use, min(max(float(line), 0.0), 1.0)))
+    finally:
+        # Somebody waits for the end, however it comes.
+        news.put((use, None))

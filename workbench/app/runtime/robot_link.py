@@ -111,9 +111,10 @@ class LinkRunner:
         # Connections for reports that were wanted, and the one that the report came by.
         self._wanted = self._told = 0
         self._runs: queue.SimpleQueue[tuple[Sending, Approval] | None] = queue.SimpleQueue()
-        # The sending that goes on, and the same where the reports alone say what is done.
-        self._going = self._run = cast(Sending | None, None)
-        self._current: Sending | None = None
+        # The sending that goes on, and the same where the reports alone say what is done; the
+        # latest one, which may still wait for its turn.
+        self._active = self._watched = cast(Sending | None, None)
+        self._latest: Sending | None = None
         self._used: set[str] = set()
         self._status = LinkStatus()
         self._sender = threading.Thread(target=self._send_all, name="robot link", daemon=True)
@@ -138,13 +139,13 @@ class LinkRunner:
         # Of a row all plans have one: a stop that comes between two of them stops the next one.
         stopped = self._stopped
         run = Sending(plan, self._report, stopped, self._patience.clock, following=following)
-        self._current = run
+        self._latest = run
         self._runs.put((run, approval))
 
     def let(self, number: int) -> None:
         """Let this step of the plan that is being sent run, once the robot waits before it."""
-        if self._current is not None:
-            self._current.let = number
+        if self._latest is not None:
+            self._latest.let = number
 
     def stop(self) -> None:
         """Send nothing more, and close the link."""
@@ -175,7 +176,7 @@ class LinkRunner:
             # Whatever it is, the sending must not seem to go on for ever.
             log.exception("the end of a sending cannot be told as it was")
             run.stopped.set()  # the next plan of the row may wait already
-            self._going = self._run = None
+            self._active = self._watched = None
             # A text that no journal can hold may have been the reason.
             text = str(fault or internal_error(error))
             self._end(plain(text.encode("ascii", "backslashreplace").decode()))
@@ -190,7 +191,7 @@ class LinkRunner:
                 raise JobCancelled(LinkText.NOTHING_SENT())
             self._spend(approval)
             # Where the link says nothing, nobody else compares what is done with what was said.
-            self._going, self._run = run, run if is_silent else None
+            self._active, self._watched = run, run if is_silent else None
             receipts = send(
                 run.plan,
                 approval,
@@ -222,7 +223,7 @@ class LinkRunner:
 
     def _outcome(self, run: Sending, fault: Message | None) -> tuple[int, tuple[PartReport, ...]]:
         """How many parts were put down, and what is known of each."""
-        self._going = self._run = None
+        self._active = self._watched = None
         self._show_link(replace(self._status, phase="closed"))
         parts = self._parts(run)
         placed = sum(part.is_picked is True for part in parts)
@@ -368,13 +369,13 @@ class LinkRunner:
 
     def _doubt(self, why: Message) -> None:
         """A robot of which nonsense is reported goes on with no plan."""
-        run = self._going
+        run = self._active
         if run is not None and not run.doubt:
             run.doubted_at, run.doubt = self._patience.clock(), why
 
     def _compare(self, report: RobotState) -> None:
         """Whether a report fits what was sent; if not, the sending is to stop."""
-        run = self._run
+        run = self._watched
         if run is None or run.doubt:
             return
         received = report.received - (run.before.received if run.before else 0)

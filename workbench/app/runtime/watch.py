@@ -33,22 +33,20 @@ class CellWatch:
     Concurrency: a thread of its own, which gives `CellRead` commands.
     """
 
-    def __init__(
-        self, path: Path, bench: Bench, *, every: float = POLL_EVERY, is_read: bool = True
-    ) -> None:
+    def __init__(self, path: Path, bench: Bench, *, every: float = POLL_EVERY) -> None:
         """Begin to watch.
 
         Args:
             path: of the cell file that the bench has begun with.
             bench: gets the cell that is read.
             every: how long [s] between two looks.
-            is_read: whether the bench has its cell from this file, as it is now.
         """
         self._path = path
         self._bench = bench
         self._every = every
         self._closing = threading.Event()
-        self._read = self._stamp() if is_read else ()
+        # The files are read once in any case: since the bench has read them they may have changed.
+        self._read: Stamp = ()
         self._thread = threading.Thread(target=self._run, name="cell file", daemon=True)
         self._thread.start()
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from workbench.app.records.keeping import BACKED_UP_FOLDERS, write_backup
+from workbench.app.records.keeping import BACKED_UP_FOLDERS, WITHOUT_SESSIONS, write_backup
 from workbench.app.records.restoring import (
     KEPT_USERS,
     LARGEST_MANIFEST,
@@ -26,7 +26,7 @@ from workbench.web.access.user_backup import add_users, checked_users, kept_user
 def backup(typed: arguments.Backup) -> int:
     """Write all of it into one zip file."""
     more = {KEPT_USERS: json.dumps(_users_of(typed.users)).encode()} if typed.with_users else {}
-    kinds = BACKED_UP_FOLDERS if typed.with_sessions else BACKED_UP_FOLDERS[:-1]
+    kinds = BACKED_UP_FOLDERS if typed.with_sessions else WITHOUT_SESSIONS
     count = write_backup(Path.cwd(), typed.out, kinds, more)
     if typed.with_users:
         typed.out.chmod(OWNER_ONLY)

@@ -76,8 +76,7 @@ def serve(typed: Serve) -> int:
         if bench.state.changed:
             print(changes_said(bench.state))
         stack.callback(bench.close)
-        # The file may have been changed since the session ended.
-        stack.callback(CellWatch(path, bench, is_read=goes_on is None).close)
+        stack.callback(CellWatch(path, bench).close)
         stack.callback(PosesWatch(bench).close)
         stack.callback(Anchors(bench, places, time.time).close)
         stack.enter_context(plc(bench, typed))

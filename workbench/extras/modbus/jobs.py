@@ -1,6 +1,7 @@
 """What a PLC may ask for: a number a job, and what came of the last one.
 
-Approvals and acknowledgements of faults are not here: they are a person's.
+Approvals and acknowledgements of faults are not here: they are a person's act by a login, and
+Modbus has no logins.
 """
 
 import logging

@@ -1,4 +1,8 @@
-"""What a PLC may ask for: a row a method; each answers whether it was done, and a sentence."""
+"""What a PLC may ask for: a row a method; each answers whether it was done, and a sentence.
+
+Acknowledging a fault is a person's act: the role of the login that calls decides.  Approvals are
+not here.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

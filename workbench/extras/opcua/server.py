@@ -198,6 +198,7 @@ class OpcUa:
         ]
 
     async def _go_on_telling(self) -> None:
+        logged = ""
         while True:
             with contextlib.suppress(TimeoutError):
                 # Not `wait_for`, which forgets that it was cancelled when both happen at once.
@@ -206,8 +207,12 @@ class OpcUa:
             self._changed.clear()
             try:
                 await self._write_changes()
-            except ua.UaError:
-                log.exception("the state cannot be told over OPC UA")
+                logged = ""
+            except Exception as error:
+                # A rim: a PLC that reads old values for ever would take them for the state.
+                if logged != repr(error):
+                    log.exception("the state cannot be told over OPC UA")
+                logged = repr(error)
 
     async def _write_changes(self) -> None:
         """Write what has changed."""

@@ -6,13 +6,14 @@ to more than a disk holds; none of that reaches the disk.
 
 import contextlib
 import hashlib
+import os
 import tempfile
 import zlib
 from collections.abc import Callable, Generator, Iterable, Mapping
 from pathlib import Path, PurePosixPath
 from typing import IO
 
-from workbench.formats.files.whole_files import partial_of
+from workbench.formats.files.whole_files import partial_of, sync_folder
 from workbench.formats.files.zip_frame import (
     CHUNK_BYTES,
     DEFLATED,
@@ -65,7 +66,13 @@ def write_archive(
                 ]
             file.seek(0, 2)
             file.write(directory_of(members))
+            # After a power cut there is all of it or none: it may be all that is left of something.
+            file.flush()
+            os.fsync(file.fileno())
         partial.replace(path)
+        # There are file systems whose folders cannot be synced; the file is there all the same.
+        with contextlib.suppress(OSError):
+            sync_folder(path.parent)
     except OSError as error:
         raise FileError(error.filename or path, error.strerror or "cannot be written") from None
     finally:

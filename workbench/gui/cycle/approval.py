@@ -30,9 +30,8 @@ class ApprovalDialog:
     """Facts of the plan as the server holds them, whose vote it is, and the vote itself.
 
     Without a login there is a field for the name, and the button carries it as the server has
-    received it: viser sends a field at most every 50 ms and may keep the last letters
-    (`docs/architecture.md`).  So what is shown there, and not what stands in the field, is what
-    will be recorded.
+    received it: viser sends a field at most every 50 ms and may keep the last letters.  So what is
+    shown there, and not what stands in the field, is what will be recorded.
 
     Concurrency: `open` from viser's threads, `show` from the renderer's.
     """

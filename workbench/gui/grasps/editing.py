@@ -165,10 +165,9 @@ class Editing:
                 GraspEditText.COPY_OF_LOST(copy=copy.name, grasp=lost.name),
             )
 
-    def add(self, entries: Sequence[Entry], says: Message, *, searches: bool | None = None) -> bool:
-        """Add entries at the end, and choose the first of them; `searches` as of `EditPart`."""
-        command = EditPart(self.part.name, (), tuple(entries), says=says, searches=searches)
-        if not self._ask(command):
+    def add(self, entries: Sequence[Entry], says: Message) -> bool:
+        """Add entries at the end, and choose the first of them."""
+        if not self._ask(EditPart(self.part.name, (), tuple(entries), says=says)):
             return False
         self.choose(entry=entries[0].name)
         return True

@@ -6,11 +6,11 @@ from typing import Any
 
 import viser
 
+from workbench.app.core.cell.part_edits import EditPart
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.searching.grasp_search import GraspSearch
 from workbench.gui.shared.views import message_text
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.texts.grasps import GraspText
 from workbench.model.messages.commands import GraspEditText
 from workbench.plugins.progress import Report
 
@@ -61,10 +61,11 @@ class FillControls:
         part, cell = self._editing.part, self._visitor.cell  # as they are when it begins
         found = fill_apart(cell, part, report, cancelled)
         says = [message_text(message, self._visitor.words) for message in filled_words(found)]
-        if self._editing.part.name != part.name:
-            return [self._visitor.words.render(GraspText.OTHER_PART(part=part.name))]
         if not found.entries:
             return [*says, "Nothing was found to add."]
         says_filled = GraspEditText.FILLED(count=len(found.entries))
-        self._editing.add(found.entries, says_filled, searches=True)
+        # Of the part that was searched for, whichever is in hand by now.
+        edit = EditPart(part.name, (), found.entries, says=says_filled, searches=True)
+        if self._visitor.ask(lambda: edit) and self._editing.part.name == part.name:
+            self._editing.choose(entry=found.entries[0].name)
         return says

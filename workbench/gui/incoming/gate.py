@@ -48,7 +48,10 @@ PICTURE = base64.b64decode(
     "////////////////////////////////wAALCAABAAEBAREA/8QAFAABAAAAAAAAAAAAAAAAAAAAA//EABQQAQAA"
     "AAAAAAAAAAAAAAAAAAD/2gAIAQEAAD8AN//Z"
 )
-"""A JPEG of one pixel: what viser reads instead of a picture that a browser sends."""
+"""A JPEG of one pixel: what viser unpacks instead of a picture that a browser sends.
+
+Nobody looks at it, and a few bytes may stand for a picture of gigabytes.
+"""
 
 
 class MessageGate:
@@ -60,7 +63,7 @@ class MessageGate:
     """
 
     def __init__(self, server: viser.ViserServer, name_of: Callable[[int], str]):
-        """It is open still.
+        """Nothing is checked until `install`.
 
         Args:
             server: viser's.
@@ -70,7 +73,7 @@ class MessageGate:
         self._name_of = name_of
         self._typing: dict[tuple[int, str], asyncio.TimerHandle] = {}
 
-    def close(self) -> None:
+    def install(self) -> None:
         """Look at all that comes from now on, from browsers that connect later."""
         server, inner = self._server, self._server._websock_server
         server._thread_executor.shutdown(wait=False)
@@ -136,7 +139,7 @@ class MessageGate:
             case messages.ScenePointerMessage():
                 return pointer_problem(message, *scenes)
             case messages.GetRenderResponseMessage():
-                message.payload = _picture(message.payload)
+                message.payload = PICTURE
                 return ""
             case _:
                 return "nothing that this page says"
@@ -191,15 +194,6 @@ class MessageGate:
             "refused value: who=%s what=%s of=%s why=%s",
             *map(_quote, (self._name_of(number), type(message).__name__, about, problem)),
         )
-
-
-def _picture(payload: bytes) -> bytes:
-    """What viser unpacks instead of a picture that a browser sends.
-
-    Nobody looks at it, and a few bytes may stand for a picture of gigabytes.
-    """
-    del payload
-    return PICTURE
 
 
 def _update_problem(message: messages.GuiUpdateMessage, *pages: viser.GuiApi) -> str:

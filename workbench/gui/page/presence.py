@@ -61,8 +61,10 @@ class BrowserCount:
         holder = self._bench.state.control
         if now - self._left.get(holder, now) < self._grace:
             return
-        del self._left[holder]
         try:
             self._bench.do(ReleaseControl(holder), FRONT_DOOR)
+            del self._left[holder]
         except CommandRefused as error:
+            # A disk may be full for a while: it is tried again after the same time.
+            self._left[holder] = now
             log.info("control of %s is not given back: %s", holder, error)

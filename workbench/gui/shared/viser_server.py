@@ -4,8 +4,8 @@ viser 1.1.1 listens on all interfaces unless stated otherwise, takes the next po
 wanted one is busy; it opens a public tunnel for any browser that asks, talks to pages of
 other sites, and may stop talking to a browser for good.  It knows no logins either: those are
 the front's, which alone has the key to a server that wants one, and says whom it brings.
-viser's internals are used here and in `incoming` and nowhere else; the version is pinned and
-`tests/gui/shared/test_viser_server.py` shows when they change.
+Many files of `gui` use viser's internals, this one and `incoming` most of all; the version is
+pinned and `tests/gui/shared/test_viser_server.py` shows when they change.
 """
 
 # pyright: reportPrivateUsage=false
@@ -114,7 +114,7 @@ def open_viser(host: str, port: int, secret: str | None = None) -> viser.ViserSe
         if not is_own_page(headers.get("Origin"), headers.get("Host", ""), host):
             await raw.close(POLICY_VIOLATION, "this page belongs to another site")
 
-    MessageGate(server, lambda number: _person(inner, number).name).close()
+    MessageGate(server, lambda number: _person(inner, number).name).install()
     # First in the row: viser waits for these before it reads anything from the browser.
     inner._client_connect_cb.insert(0, turn_away)
     # A browser may have come in since the server started to listen.

@@ -13,10 +13,8 @@ import viser
 
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.state import State
-from workbench.app.records.keeping import BACKED_UP_FOLDERS, write_backup
-from workbench.app.records.restoring import Thing, look_apart, restore_apart
-from workbench.formats.files.change_log import LOG, add_line, utc
-from workbench.formats.files.whole_files import make_folder, sent_name, write_upload
+from workbench.app.records.restoring import BACKUPS, Thing, look_apart, restore_and_log
+from workbench.formats.files.whole_files import sent_name, write_upload
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.viser_server import taken_upload
@@ -28,13 +26,10 @@ from workbench.model.messages.message import Message
 
 log = logging.getLogger(__name__)
 
-BACKUPS = Path("backups")
-"""Below the working directory: what was there before something was restored, and a log."""
-
 NONE: str = "-"
 
-BUSY = threading.Lock()
-"""One restores at a time, from whichever browser."""
+LISTED_EVERY = 2.0
+"""[s] Between two looks at the backups that are kept here."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,6 +54,7 @@ class RestoreControls:
         self._wanted_look: Chosen | None = None
         self._things: tuple[Thing, ...] = ()
         self._view: View | None = None
+        self._listed_at = -LISTED_EVERY
         gui = visitor.gui
         self._pick = gui.add_upload_button(
             "Choose a backup", icon=viser.Icon.UPLOAD, color="gray", hint="A zip file, up to 50 MB."
@@ -83,6 +79,10 @@ class RestoreControls:
         problem = self._problem(view.state)
         self._visitor.allow(self._pick, self._visitor.lacks(view.state, ChangeCell))
         self._visitor.allow(self._restore, problem or self._missing())
+        # A view comes up to 30 times a second while the robot moves; a folder may be slow.
+        if time.monotonic() - self._listed_at < LISTED_EVERY:
+            return
+        self._listed_at = time.monotonic()
         names = (NONE, *sorted((file.name for file in BACKUPS.glob("*.zip")), reverse=True))
         if self._kept.options != names:
             self._kept.options = names
@@ -139,23 +139,8 @@ class RestoreControls:
             raise CommandRefused(problem)
 
     def _on_restored(self, chosen: Chosen) -> None:
-        if not BUSY.acquire(blocking=False):
-            raise CommandRefused("somebody restores a backup just now")
-        try:
-            self._check()
-            make_folder(BACKUPS)
-            at = time.time()
-            before = BACKUPS / f"before-{utc(at).replace(':', '')}.zip"
-            write_backup(Path.cwd(), before, BACKED_UP_FOLDERS[:-1], {})
-            self._check()  # that may have taken a while
-            with chosen.opened() as file:
-                things = restore_apart(file, Path.cwd())
-            changed = [f"{thing.kind}/{thing.name}" for thing in things if changes_any((thing,))]
-            said = {"by": self._visitor.person.name, "restored": chosen.name, "before": before.name}
-            add_line(BACKUPS / LOG, {"at": utc(at), **said, "changed": changed})
-        finally:
-            BUSY.release()
-        log.warning("%s has restored %s: %s", said["by"], chosen.name, ", ".join(changed))
+        by = self._visitor.person.name
+        before = restore_and_log(chosen.opened, chosen.name, by, self._check)
         self._chosen, self._things = None, ()
         restored = StatisticsText.RESTORED(name=chosen.name, before=before.name)
         self._told.content = line(self._visitor.words.render(restored))
@@ -177,6 +162,7 @@ class RestoreControls:
                 log.exception("a backup could not be used")
                 self._told.content = line("Internal error, see the log.", kind="bad")
             if self._view is not None:
+                self._listed_at = -LISTED_EVERY
                 self.show(self._view)
 
         threading.Thread(target=work_and_report, name="restore", daemon=True).start()

@@ -40,7 +40,6 @@ class GraspText(Text, subject="page-grasps"):
     POINT = "Marked point: x {x:mm}, y {y:mm}, z {z:mm}"
     POINT_AT_EDGE = "The part ends here. Marked point: x {x:mm}, y {y:mm}, z {z:mm}"
     NOTHING_NEW = "Nothing new that {tool} could hold well was found."
-    OTHER_PART = "{part} is no longer in hand: nothing was added."
     BY_ARM = "By the {arm} arm"
     DRAFT = "An earlier session has left a draft with {count} {count:change|changes} not saved."
     NUDGE = "Grasp 1 mm along {direction}"

@@ -16,6 +16,7 @@ class FileProblem(Text, subject="file-problem"):
     """What people mend by another file, or by how they export it."""
 
     MISSING = "there is no such file"
+    RESTORES_NOW = "somebody restores a backup just now"
     NO_MESH = "is no mesh that can be read: one of {kinds} is expected"
     NO_CAD_FILE = "is no CAD file that can be read: one of {kinds}"
     UNREADABLE = "cannot be read as {kind}: {detail}"

@@ -25,6 +25,10 @@ class JobText(Text, subject="job"):
     GRASPS = "the grasps of {part} as version {version}"
     SIZE = "the size of {part}"
     NO_CELL_FILE = "this session has no cell file"
+    FILES_CHANGED = (
+        "the files of the cell were changed since they were read, so nothing is written; look at "
+        "the cell as they have it, and save again"
+    )
 
 
 class LinkText(Text, subject="link"):

@@ -18,7 +18,7 @@ from aiohttp import hdrs, web
 
 from workbench.app.core.people import Role
 from workbench.app.records.case_folder import case_files
-from workbench.app.records.keeping import BACKED_UP_FOLDERS, write_backup
+from workbench.app.records.keeping import WITHOUT_SESSIONS, write_backup
 from workbench.app.records.session_archive import export_session, open_journal
 from workbench.model.errors import WorkbenchError
 from workbench.web.access.identity import identify
@@ -114,7 +114,7 @@ def _session(folder: Path, file: Path) -> None:
 
 
 def _backup(root: Path, file: Path) -> None:
-    write_backup(root, file, BACKED_UP_FOLDERS[:-1], {})
+    write_backup(root, file, WITHOUT_SESSIONS, {})
 
 
 def _log_file() -> Path | None:

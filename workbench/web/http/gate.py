@@ -77,7 +77,7 @@ class Gate:
                 except OSError as error:
                     await self._wait_after(error)
                 else:
-                    self._take(taken, address)
+                    self._admit(taken, address)
                 # A connection that is there already is taken without waiting; others are served
                 # between two of them all the same.
                 await asyncio.sleep(0)
@@ -86,6 +86,14 @@ class Gate:
             for taken in self._entering.values():
                 _hang_up(taken)
             await asyncio.gather(looking, *self._entering, return_exceptions=True)
+
+    def _admit(self, taken: socket.socket, address: Any) -> None:
+        try:
+            self._take(taken, address)
+        except Exception:
+            # A rim: what goes wrong with one connection ends no other.
+            log.exception("a connection cannot be taken in")
+            _hang_up(taken)
 
     def _take(self, taken: socket.socket, address: Any) -> None:
         protocol = _Answering(self._server, self._limits)
@@ -118,7 +126,10 @@ class Gate:
     async def _look(self) -> None:
         while True:
             await asyncio.sleep(POLL_EVERY)
-            self._limits.look()
+            try:
+                self._limits.look()
+            except Exception:
+                log.exception("the limits of connections cannot be looked at")
 
 
 class _Answering(web.RequestHandler):

@@ -154,7 +154,7 @@ class SaveCell(Command):
             raise CommandRefused(ChangeRefusal.SAVED_ALREADY())
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        write = WriteCell(state.cell, self.remark, entry.actor, entry.at)
+        write = WriteCell(state.cell, self.remark, entry.actor, entry.at, state.saved)
         return replace(state, message=StateText.SAVES_CELL(person=entry.actor)), (write,)
 
 

@@ -70,7 +70,7 @@ def with_corrected(state: State, number: int, part: Part, entry: Entry) -> Decis
         after, effects = changed_cell(whole, replace(whole.cell, parts=parts), says)
         if not whole.is_saved:
             return after, effects
-        return after, (*effects, WriteCell(after.cell, str(says), job.by, entry.at))
+        return after, (*effects, WriteCell(after.cell, str(says), job.by, entry.at, state.saved))
 
     after, effects = change_whole(replace(state, job=None), change)
     if after.scan is None:
