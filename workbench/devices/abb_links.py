@@ -57,6 +57,7 @@ class AbbProgram(AbbSocket):
         takes_loads=True,
         takes_openings=True,
         takes_tools=True,
+        keeps_hand=True,
         longest=LONGEST_WAY,
     )
     send = staticmethod(send_program)

@@ -15,7 +15,8 @@ Corners = Literal["stop", "blend", "streamed"]
 
 PartLeg = Literal["reach", "approach", "extract", "return", "place", "home"]
 ToolLeg = Literal["stow", "retract", "cross", "dock", "undock"]
-LegName = Literal[PartLeg, ToolLeg, "view", "stir"]
+DropLeg = Literal["lift", "carry"]
+LegName = Literal[PartLeg, ToolLeg, DropLeg, "view", "stir"]
 """The names of all legs."""
 
 LEG_NAMES: tuple[LegName, ...] = ("reach", "approach", "extract", "return", "place", "home")
@@ -26,6 +27,12 @@ VIEW_LEGS: tuple[LegName, ...] = ("view",)
 
 STIR_LEGS: tuple[LegName, ...] = ("reach", "stir", "home")
 """The legs of an arm that stirs the parts in the bin with its hand."""
+
+DROP_LEGS: tuple[LegName, ...] = ("lift", "carry", "home")
+"""The legs of an arm that drops back what it holds; where it stands clear of all, without `lift`.
+
+`lift` leads straight up out of the bin, `carry` to where the hand opens.
+"""
 
 TOOL_LEGS: tuple[LegName, ...] = ("reach", "stow", "retract", "cross", "dock", "undock", "home")
 """The legs of an arm that changes its tool: with the old one up to `stow`, then bare up to `dock`.
@@ -58,7 +65,8 @@ class MotionModel:
     switches the digital output of the TCP that takes the part.  `takes_openings`: it moves fingers
     to a leg's opening; else they are wide open, or closed around a part.  `sends_poses`: the
     robot's program gets poses of the hand alone and moves by itself: of that motion nothing is
-    proven.  `takes_tools`: it couples and uncouples tools.
+    proven.  `takes_tools`: it couples and uncouples tools.  `keeps_hand`: it begins a
+    plan with something in the hand, and neither opens nor closes the hand before.
     """
 
     link: str
@@ -77,6 +85,7 @@ class MotionModel:
     takes_outputs: bool = field(default_factory=bool, metadata=LATER)
     takes_openings: bool = field(default_factory=bool, metadata=LATER)
     takes_tools: bool = field(default_factory=bool, metadata=LATER)
+    keeps_hand: bool = field(default_factory=bool, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.corners == "streamed" and not self.period > 0:

@@ -244,8 +244,7 @@ class Region:
 
     def near(self, p_bin: Floats, by: float = 0.0) -> Bools:
         """Which points (n, 3) [m] in the bin's frame are in it, or beside by so much [m]."""
-        T = self.T_bin_region.inverse()
-        half = self.size / 2
+        T, half = self.T_bin_region.inverse(), self.size / 2
         p = p_bin @ T.rotation.T + T.translation - [0.0, 0.0, half[2]]
         return np.asarray(np.all(np.abs(p) <= half + by, axis=1))
 
@@ -257,6 +256,7 @@ class Bin:
     `size` (3,) [m]: inner length, width and height of the walls; where it `has_walls` not, up to
     where parts may lie.  `wall` [m]: how thick floor and walls are.  Where there are `regions`,
     parts are taken from these alone.  Several bins of a cell have names, and numbers from 1 on.
+    `p_world_drop` [m]: where the TCP is as a hand drops back what it holds; None: over the bin.
     """
 
     T_world_bin: pin.SE3
@@ -266,6 +266,7 @@ class Bin:
     regions: tuple[Region, ...] = field(default_factory=tuple, metadata=LATER)
     name: str = field(default_factory=str, metadata=LATER)
     number: int = field(default_factory=int, metadata=LATER)
+    p_world_drop: tuple[float, ...] | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_bin=copy_pose(self.T_world_bin), size=frozen(self.size))
@@ -286,8 +287,7 @@ class Bin:
     def solids(self) -> tuple[Solid, ...]:
         """Floor, and walls where it has any, as boxes in its frame: floor, x+, x-, y+, y-."""
         (length, width, height), wall = self.size, self.wall
-        outer = (length + 2 * wall, width + 2 * wall)
-        colour = (0.45, 0.52, 0.6)
+        outer, colour = (length + 2 * wall, width + 2 * wall), (0.45, 0.52, 0.6)
 
         def slab(name: str, size: tuple[float, ...], centre: tuple[float, ...]) -> Solid:
             return Solid(f"bin_{name}", Box(np.array(size)), pose_from_rpy(centre), colour)

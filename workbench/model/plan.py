@@ -121,8 +121,8 @@ def are_in_step(legs: Sequence[Leg]) -> bool:
 class ArmPlan:
     """All that one arm does with one part: `detection` is an index into the plan's list.
 
-    It is `NO_PART`, and `grasp` empty, of an arm that takes its scanner to the view, or stirs, or
-    takes another `tool`.
+    It is `NO_PART`, and `grasp` empty, of an arm that takes its scanner to the view, or stirs,
+    takes another `tool`, or drops back what it holds: `held` (`tools.held_body.HeldAmount`).
     `station` names where the part is put to be taken anew; empty: to a place.  `loads` are those of
     tool and part, which the controller gets; None where the tool's mass is not known.  `found` is
     the grip where the part's library has no grasp of this name.  `tcp` is the tool's; empty: first.
@@ -139,6 +139,7 @@ class ArmPlan:
     found: FoundGrip | None = field(default_factory=lambda: None, metadata=LATER)
     tcp: str = field(default_factory=str, metadata=LATER)
     tool: str = field(default_factory=str, metadata=LATER)
+    held: str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_tcp_part=copy_pose(self.T_tcp_part))
@@ -235,7 +236,7 @@ class Plan(FactsRepr):
     @property
     def is_view_plan(self) -> bool:
         """Whether it only moves a scanner to its view."""
-        is_other = self.is_stir_plan or self.is_tool_plan
+        is_other = self.is_stir_plan or self.is_tool_plan or self.is_drop_plan
         return bool(self.arms) and not self.picks and not is_other
 
     @property
@@ -247,6 +248,11 @@ class Plan(FactsRepr):
     def is_tool_plan(self) -> bool:
         """Whether an arm only changes its tool."""
         return any(arm.tool for arm in self.arms)
+
+    @property
+    def is_drop_plan(self) -> bool:
+        """Whether an arm only drops back what it holds."""
+        return any(arm.held for arm in self.arms)
 
     @property
     def stations(self) -> tuple[str, ...]:

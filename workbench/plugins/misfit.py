@@ -6,6 +6,7 @@ from workbench.model.cell import Cell
 from workbench.model.messages.cells import SlotText
 from workbench.model.messages.devices import DeviceText
 from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
 from workbench.model.plan import Plan
 from workbench.model.release import AS_PLANNED, Manner
 
@@ -35,6 +36,8 @@ def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> Message | Non
         return DeviceText.NO_PATHS(link=motion.link)
     if plan.is_tool_plan and not motion.takes_tools:
         return SlotText.NO_LINK(link=motion.link)
+    if plan.is_drop_plan and not motion.keeps_hand:
+        return Refusal.DROP_NO_LINK(link=motion.link)
     if plan.is_stir_plan and not motion.takes_share:
         return DeviceText.NO_TIMES(link=motion.link)
     if any(len(step.runs) > motion.arms_at_once for step in plan.sequence):

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from dropping import drop_result
 from line import Line
 
 from workbench.app.core.cell.changes import CellRead
@@ -16,6 +17,7 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.drop_back import PlanDropBack
 from workbench.app.core.people import CELL_FILE
 from workbench.app.core.state import Phase
 from workbench.app.records.record import summary
@@ -234,3 +236,20 @@ def test_parts_of_a_kit_whose_recipe_is_gone_hold_up_no_other_recipe(line, by_re
     state = line.do(CellRead(other), CELL_FILE)
     assert state.cell.recipe == 0 and state.kit.parts
     assert line.do(ChooseRecipe(2)).kit.parts == ()
+
+
+def test_a_part_that_is_dropped_back_after_a_fault_is_missing_in_the_kit_again(line, by_recipe):
+    before = line.state
+    send(line, by_recipe)
+    line.do(LinkEnded("stopped by ada"))
+    line.do(AcknowledgeFault())
+    cell = line.state.cell
+    line.joints = cell.joint_values({arm.name: arm.home for arm in cell.arms})
+    line.do(PlanDropBack("one"))
+    digest = line.ended(drop_result(by_recipe, cell)).plan.digest
+    line.joints = {}
+    for command in (WatchPlan, Approve, SendPlan):
+        line.do(command(digest))
+    state = line.do(LinkEnded())
+    assert state.phase is Phase.DONE and state.parts_placed == 0
+    assert lacks_of(state) == lacks_of(before)

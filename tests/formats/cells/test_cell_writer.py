@@ -209,6 +209,14 @@ def test_a_bin_without_walls_comes_back_without_them(tmp_path):
     assert not written(tmp_path, table).bin.has_walls
 
 
+def test_where_a_hand_drops_back_comes_back(tmp_path):
+    cell = read_cell("yumi")
+    place = (0.4, -0.05, 0.35)
+    with_place = replace(cell, bin=replace(cell.bin, p_world_drop=place))
+    assert written(tmp_path, with_place).bin.p_world_drop == pytest.approx(place)
+    assert with_place.digest != cell.digest and cell.bin.p_world_drop is None
+
+
 def test_regions_come_back(tmp_path):
     cell = read_cell("yumi")
     one = Region(

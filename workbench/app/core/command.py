@@ -100,8 +100,8 @@ class Entry:
 
     The only place where clock, user and the robot's pose enter: what follows from an entry is
     computed.  `joints` (name -> rad) is how the robot stood by its own report when a plan was
-    approved or sent, empty for other commands and where nothing was reported.  A machine's `role`
-    says nothing.
+    approved or sent, or a drop back asked for; empty for other commands and where nothing was
+    reported.  A machine's `role` says nothing.
     """
 
     number: int

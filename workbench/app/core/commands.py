@@ -2,7 +2,7 @@
 
 from types import ModuleType
 
-from workbench.app.core import control, session, verifying
+from workbench.app.core import control, drop_back, session, verifying
 from workbench.app.core.cell import (
     bins,
     changes,
@@ -36,6 +36,7 @@ SUBJECTS = (
     parts,
     planning,
     empty_hand,
+    drop_back,
     rows,
     watching,
     approval,

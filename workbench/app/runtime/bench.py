@@ -16,6 +16,7 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import SightPlate, TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
 from workbench.app.core.decide import NOT_REPORTED, check_allowed, decide
+from workbench.app.core.drop_back import PlanDropBack
 from workbench.app.core.effects import Effect, StopSending
 from workbench.app.core.people import MACHINES, ROBOT_LINK, SESSION_START, WORKER, Role
 from workbench.app.core.session import Opened, Started
@@ -235,13 +236,14 @@ class Bench:
     def _asks_for_joints(self, command: Command) -> bool:
         """Whether how the robot stands counts in a command: where it lets a plan go out.
 
-        And where a scan is taken or used whose scanner an arm carries, or that goes to its view.
+        And where a scan is taken or used whose scanner an arm carries, or that goes to its view;
+        and where an arm drops back from where it stands.
         """
         if self._state.cell.scanner.on_arm is not None and isinstance(command, FROM_A_VIEW):
             return True
         if isinstance(command, LinkEnded):
             return bool(self._state.row) and not command.fault
-        return isinstance(command, Approve | SendPlan)
+        return isinstance(command, Approve | SendPlan | PlanDropBack)
 
     def ask(self, question: Question) -> None:
         """Have something worked out that is only checked: it is not recorded, changes nothing."""

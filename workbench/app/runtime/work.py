@@ -10,6 +10,7 @@ from workbench.app.calibration.ball_plate import simulated_sight
 from workbench.app.calibration.simulated_checks import simulated_balls
 from workbench.app.core.cycle.arm_scanner import view_problem
 from workbench.app.core.cycle.correcting import CORRECT
+from workbench.app.empty_hand.drop_back import plan_drop_back
 from workbench.app.empty_hand.stirring import plan_stir
 from workbench.app.empty_hand.tool_change import plan_tool_change
 from workbench.app.empty_hand.view_plan import plan_view
@@ -35,6 +36,7 @@ from workbench.model.messages.work import CancelText, JobText, ProgressText
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.scan import LocalizationResult, Scan, Scene, SearchOverrides, Unexplained
+from workbench.model.tools.held_body import HeldAmount
 from workbench.perception.calibration.ball_scan import sight_balls
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.parts.sizing import MOST_SEARCHES, learn_sizes, offset_of
@@ -268,6 +270,21 @@ def change(
     )
 
 
+def drop(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> PlanResult:
+    """An arm that drops back what it holds; parts that were `placed` are in the way."""
+    return plan_drop_back(
+        cell,
+        arguments["arm"],
+        arguments["q"],
+        HeldAmount(arguments["held"]),
+        placed=boxes_around(cell, arguments["placed"]),
+        seed=arguments["seed"],
+        report=report,
+    )
+
+
 def glance(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> Glance:
@@ -306,6 +323,7 @@ JOBS: Mapping[str, JobFunction] = {
     "view": view,
     "stir": stir,
     "change": change,
+    "drop": drop,
     "import": import_part,
     "tool": make_tool,
     CORRECT: correct,

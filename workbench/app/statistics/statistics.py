@@ -19,6 +19,7 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.statistics.cycles import CycleRecord, PickRecord, Rate
+from workbench.app.statistics.drops import DropCount, Drops
 from workbench.app.statistics.grasp_use import NO_USES, Uses, add_uses, count_judged, count_taken
 from workbench.app.statistics.kits import KitCount, Kits, add_kits
 from workbench.app.statistics.remaining import MOST_REMEMBERED, Remaining, RemainingPart
@@ -61,7 +62,8 @@ class Statistics:
 
     `refusals` are what is said of refused candidates (`kind_of`), and of how many; `judged` how
     often each grasp was tried and would have worked; `remaining` are the parts that stayed when a
-    planning brought no plan, the latest ones; `kits` are those that were taken away.
+    planning brought no plan, the latest ones; `kits` are those that were taken away, `drops` what
+    arms have dropped back.
     """
 
     cycles: tuple[CycleRecord, ...] = ()
@@ -69,6 +71,7 @@ class Statistics:
     judged: Uses = field(default_factory=lambda: NO_USES)
     remaining: tuple[RemainingPart, ...] = ()
     kits: tuple[KitCount, ...] = ()
+    drops: DropCount = field(default_factory=DropCount)
 
     @property
     def picks(self) -> tuple[tuple[CycleRecord, PickRecord], ...]:
@@ -161,6 +164,7 @@ class Count:
         self._numbers: tuple[tuple[int, ...], ...] = ()
         self._place = 0
         self._takes_no_part = False  # whether the plan is no cycle: to a view, or to stir
+        self._drops = Drops()
 
     def add(self, rows: Iterable[Row]) -> None:
         """Count entries, in their order.
@@ -203,12 +207,14 @@ class Count:
             self._judged,
             self._remaining.value,
             self._kits.value,
+            self._drops.value,
         )
 
     def _take(self, kind: str, number: int, at: float, command: Any) -> None:
         is_planned = kind == JobEnded.__name__ and "plan" in command["result"]
         if is_planned:
             self._takes_no_part = takes_no_part(command["result"]["plan"])
+        self._drops.take(command)
         if self._takes_no_part and (is_planned or kind in OF_A_PLAN):
             return
         if kind in SCANS:
@@ -378,17 +384,17 @@ def statistics(rows: Iterable[Row]) -> Statistics:
 def together(parts: Iterable[Statistics]) -> Statistics:
     """Several sessions as one."""
     parts = tuple(parts)
-    cycles: list[CycleRecord] = []
     refusals: Counter[str] = Counter()
     uses: Uses = NO_USES
     for part in parts:
-        cycles += part.cycles
         refusals.update(dict(part.refusals))
         uses = add_uses(uses, part.judged)
+    cycles = (cycle for part in parts for cycle in part.cycles)
     return Statistics(
         tuple(sorted(cycles, key=lambda cycle: cycle.at)),
         tuple(refusals.most_common()),
         uses,
         tuple(left for part in parts for left in part.remaining)[-MOST_REMEMBERED:],
         add_kits(*(part.kits for part in parts)),
+        sum((part.drops for part in parts), DropCount()),
     )

@@ -155,7 +155,7 @@ class Calibrate:
 
 @dataclass(frozen=True, slots=True)
 class PlanArguments:
-    """Judge every grasp, plan the pick, and prove it; or the path to --view, --stir, or --tool."""
+    """Judge every grasp, plan the pick, and prove it; or --view, --stir, --tool, --drop-back."""
 
     cell: Positional[CellName]
     out: Path
@@ -172,6 +172,12 @@ class PlanArguments:
     tool: Maybe[str] = None
     """Plan how an arm changes its tool for the one of that name; --strategy names the arm where
     several have a slot for it."""
+    drop_back: Maybe[Literal["one", "two", "unknown"]] = None
+    """Plan how an arm drops back what it holds: one part near a grasp, two parts, or unknown;
+    --strategy names the arm, --joints where it stands."""
+    joints: Maybe[str] = None
+    """Axes of the arm [deg] as its controller shows them, with commas between; home when not
+    given."""
     scan: Maybe[Path] = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is kept clear of."""
     strategy: Maybe[str] = None

@@ -3,7 +3,10 @@
 import time
 from pathlib import Path
 
+import numpy as np
+
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
+from workbench.app.empty_hand.drop_back import plan_drop_back
 from workbench.app.empty_hand.stirring import plan_stir
 from workbench.app.empty_hand.tool_change import plan_tool_change
 from workbench.app.empty_hand.view_plan import plan_view
@@ -33,28 +36,32 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses
-from workbench.model.cell import MOST_PICKS, Cell, PlanOverrides
+from workbench.model.cell import MOST_PICKS, Arm, Cell, PlanOverrides
 from workbench.model.derived.by_recipe import as_chosen, check_strategy, strategy_of, wanted_parts
 from workbench.model.derived.by_view import by_each_view
 from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.recipes.recipe import NO_RECIPE
 from workbench.model.robot import HOME
 from workbench.model.scan import Detection, Scene, Unexplained
+from workbench.model.tools.held_body import HeldAmount
 from workbench.model.tools.slots import arm_with_slot
 from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
 
 
 def plan(typed: arguments.PlanArguments) -> int:
-    """Plan for poses, to a view, or a change of a tool; write it only when its proof holds."""
+    """Plan for poses, a view, another tool, a drop back; write it only when its proof holds."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    if typed.drop_back is not None:
+        return _plan_drop_back(typed, typed.drop_back)
     if typed.tool is not None:
         return _plan_tool_change(typed, typed.tool)
     if typed.poses is None and typed.view is None:
-        raise InputError("--poses, --view or --tool is expected")
+        raise InputError("--poses, --view, --tool or --drop-back is expected")
     return _plan_view(typed) if typed.poses is None else _plan_picks(typed, typed.poses)
 
 
@@ -85,6 +92,34 @@ def _plan_tool_change(typed: arguments.PlanArguments, tool: str) -> int:
         result = plan_tool_change(cell, arm, tool, seed=typed.seed, report=report)
         planning = time.perf_counter() - began
     return _finish(typed, result, ready, planning)
+
+
+def _plan_drop_back(typed: arguments.PlanArguments, amount: str) -> int:
+    """Plan how an arm drops back what it holds."""
+    cell = _chosen(typed)
+    if typed.protocol is not None:
+        cell = spoken_to_by(cell, typed.protocol)
+    arm = cell.arm(typed.strategy) if typed.strategy else cell.arms[0]
+    q = arm.home if typed.joints is None else _joints_of(arm, typed.joints)
+    with progress("plan") as report:
+        make_ready(report, ("planning",))
+        ready, began = seconds_since_start(), time.perf_counter()
+        held = HeldAmount(amount)
+        result = plan_drop_back(cell, arm.name, q, held, seed=typed.seed, report=report)
+        planning = time.perf_counter() - began
+    return _finish(typed, result, ready, planning)
+
+
+def _joints_of(arm: Arm, typed: str) -> Floats:
+    """Where an arm stands (n,) [rad], from axes [deg] as its controller shows them."""
+    words = typed.split(",")
+    try:
+        axes = np.array([float(word) for word in words])
+    except ValueError:
+        axes = np.empty(0)
+    if len(axes) != len(arm.joints) or not np.isfinite(axes).all():
+        raise InputError(f"--joints: {len(arm.joints)} numbers with commas are expected")
+    return arm.from_axes(np.deg2rad(axes))
 
 
 def _chosen(typed: arguments.PlanArguments) -> Cell:
@@ -282,7 +317,9 @@ def _print_words(
         print_candidates("every candidate", result.candidates)
     if result.candidates:
         print(f"candidates: {reasons_words(result.candidates)}")
-    if result.plan is not None and (result.plan.is_view_plan or result.plan.is_tool_plan):
+    if result.plan is not None and result.plan.is_drop_plan:
+        print("kept clear of the whole bin, which no scan shows, but for the way up out of it")
+    elif result.plan is not None and (result.plan.is_view_plan or result.plan.is_tool_plan):
         print("kept clear of the whole bin, which no scan shows")
     elif result.plan is not None and result.plan.is_stir_plan:
         print("kept clear of all but what lies in the bin, which the hand stirs")

@@ -88,7 +88,9 @@ def plan_words(plan: Plan, bound: float, first: Plan | None = None) -> str:
     )
     if not taken:
         taken = "scanner between home and view"
-        if plan.is_stir_plan or plan.is_tool_plan:
+        if plan.is_drop_plan:
+            taken = f"drops back what it holds ({plan.arms[0].held})"
+        elif plan.is_stir_plan or plan.is_tool_plan:
             taken = f"to {plan.arms[0].tool}" if plan.is_tool_plan else "stirs the parts"
     motion = f"motion of {cycle_words(plan.cycle_seconds, bound)}"
     words = f"{plan.strategy}, {plan.guarantee}: {taken}; {motion}"

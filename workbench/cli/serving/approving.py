@@ -14,8 +14,10 @@ from workbench.model.errors import CommandRefused, LinkError, ProtocolError
 from workbench.model.messages.message import FoundPart
 from workbench.model.motion import at_least
 from workbench.model.plan import Plan, Proof, Proven
+from workbench.model.tools.held_body import HeldAmount
 from workbench.plugins.robot_link import states
 from workbench.proof.claims.clearance import linear_clearance
+from workbench.proof.claims.drop_back import fall_height
 
 REPORTS = 2.0
 """[s] A controller that reports its joints does so within."""
@@ -75,6 +77,11 @@ def facts_of(
         open_by = f"fingers {opening * 1000:.1f} mm open"
         with_what = open_by if cell.arm(plan.strategy.arm).tool.fingers else "its hand"
         facts[f"Arm {plan.strategy.arm}"] = f"{stirs} with {with_what}"
+    if plan.is_drop_plan:
+        held = HeldAmount(plan.arms[0].held)
+        height = f"from {fall_height(cell, held) * 1000:.0f} mm at most"
+        facts[f"Arm {plan.strategy.arm}"] = f"drops back what it holds ({held}) {height}"
+        known = "counts as full, since no scan counts"
     if plan.is_tool_plan:
         changes = f"puts down {cell.arm(plan.strategy.arm).tool.name}, takes {plan.arms[0].tool}"
         facts[f"Arm {plan.strategy.arm}"] = changes

@@ -69,6 +69,7 @@ def _form(counted: Statistics, sessions: int) -> dict[str, Any]:
         },
         "refusals": dict(counted.refusals),
         "kits": [asdict(kit) for kit in counted.kits],
+        "dropped_back": asdict(counted.drops),
     }
 
 
@@ -80,6 +81,9 @@ def _print(counted: Statistics, sessions: int) -> None:
     for kit in counted.kits:
         kits = f"{number_of(kit.complete, 'kit')} complete, {kit.incomplete} incomplete"
         print(f"recipe {kit.recipe}: {kits}")
+    if (drops := counted.drops).times:
+        unknown = f"; how many is not known of {drops.unknown}" if drops.unknown else ""
+        print(f"dropped back {number_of(drops.times, 'time')}, {drops.parts} parts{unknown}")
     rows = [
         (
             group,

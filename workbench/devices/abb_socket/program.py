@@ -17,6 +17,7 @@ from workbench.devices.abb_socket.messages import check_limits, in_degrees
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, frozen, put
+from workbench.model.motion import DROP_LEGS
 from workbench.model.plan import Guarantee, Leg, LegName, Plan, Step, are_in_step
 from workbench.model.release import Approval
 
@@ -180,6 +181,9 @@ def _hand(leg: Leg, before: Leg | None) -> Hand:
     if leg.name in COUPLING:
         return COUPLING[leg.name]
     if leg.holding:
+        if before is None and leg.name in DROP_LEGS:
+            # The hand holds already what it is to drop.
+            return "keep"
         return "keep" if before is not None and before.holding else "grip"
     if before is None or before.holding or before.opening != leg.opening:
         return "open"

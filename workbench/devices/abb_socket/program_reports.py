@@ -109,6 +109,11 @@ class ProgramReports:
             raise ProtocolError(f"{frame.text!r} is about no arm of cell {self._cell.name}")
         return arm.name, self._bounds[arm.name].take(angles_of(arm, words))
 
+    def is_dropped(self, frame: MessageFrame) -> bool:
+        """Whether a hand reports what it held before its plan, which only drops that back."""
+        letters = [self._cell.arm(arm.arm).controller_id for arm in self._plan.arms if arm.held]
+        return frame.words[:1] == letters
+
     def part(self, frame: MessageFrame) -> PartReport:
         """What became of a part.
 

@@ -327,6 +327,8 @@ class SocketSending:
 
     def _take_part(self, frame: MessageFrame) -> list[Receipt]:
         self._check_is_run(frame)
+        if self._reports.is_dropped(frame):
+            return [self._make_receipt(frame)]
         part = self._reports.part(frame)
         return [replace(self._make_receipt(frame), arm=part.arm, part=part)]
 

@@ -19,6 +19,7 @@ MOTION = MotionModel(
     takes_share=True,
     takes_loads=True,
     takes_openings=True,
+    keeps_hand=True,
     longest=LONGEST_SEGMENT,
     maps_axes=True,
 )

@@ -13,6 +13,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.load import Loads
 from workbench.model.messages.work import AskText
+from workbench.model.motion import DROP_LEGS
 from workbench.model.plan import Leg, LegName, Plan
 from workbench.model.release import Approval
 
@@ -139,6 +140,9 @@ def load_words(loads: Loads | None, holding: bool) -> tuple[str, ...]:
 def _hand(leg: Leg, before: Leg | None) -> Hand:
     """What the hand does before a leg."""
     if leg.holding:
+        if before is None and leg.name in DROP_LEGS:
+            # The hand holds already what it is to drop.
+            return "keep"
         return "keep" if before is not None and before.holding else "grip"
     if before is None or before.holding or before.opening != leg.opening:
         return "open"

@@ -161,6 +161,8 @@ def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
         of = "between home and view" if plan.is_view_plan else "stirs the parts in the bin"
         if plan.is_tool_plan:
             of = f"changes the tool to {plan.arms[0].tool}"
+        if plan.is_drop_plan:
+            of = f"drops back what the hand holds: {plan.arms[0].held}"
     yield "plan", f"{plan.digest}: {of}, strategy {plan.strategy}, {plan.guarantee}"
     yield "cell", plan.cell_digest
     yield "scan", plan.scan_digest

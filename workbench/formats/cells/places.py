@@ -291,6 +291,7 @@ def read_bin(table: Table, number: int = 0) -> Bin:
         tuple(_region(region) for region in table.tables("region")),
         table.text("name", "", empty=True),
         number,
+        _drop_place(table),
     )
     table.once("region.name", (region.name for region in found.regions))
     for region in found.regions:
@@ -303,6 +304,12 @@ def read_bin(table: Table, number: int = 0) -> Bin:
             )
     table.finish()
     return found
+
+
+def _drop_place(table: Table) -> tuple[float, ...] | None:
+    """Where (3,) [m] in the world the TCP is as a hand drops back what it holds, if stated."""
+    place = table.numbers("drop_back_mm", 3, [0.0] * 3, low=-10_000, high=10_000) / 1000
+    return tuple(place.tolist()) if table.has("drop_back_mm") else None
 
 
 def _region(table: Table) -> Region:

@@ -134,7 +134,8 @@ DEPENDS = frozenset(
     + tuple(f"recipe[].item[].{key}" for key in ("on", *OF_INSERTION))
     + tuple(f"recipe[].item[].joint.{key}_length_mm" for key in ("part", "base"))
     + ("arm[].place[].centred_mm", "arm[].place[].centred_deg")
-    + ("policy.tcp_speed_mm", "policy.point_speed_mm", "policy.held_speed_mm")
+    + ("policy.tcp_speed_mm", "policy.point_speed_mm", "policy.held_speed_mm", "bin.drop_back_mm")
+    + ("bin[].drop_back_mm",)
 )
 """Keys without which something else counts than a value: their meaning says what."""
 

@@ -82,8 +82,7 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     controller = cell.controller
     yield from ("", "[controller]", f"protocol = {text(controller.link)}")
     yield f"host = {text(controller.host)}"
-    yield f"port = {controller.port}"
-    yield f"state_port = {controller.state_port}"
+    yield from (f"port = {controller.port}", f"state_port = {controller.state_port}")
     yield from _options(controller.options)
     if cell.localizer.name:
         yield from ("", "[localizer]", f"name = {text(cell.localizer.name)}")
@@ -119,10 +118,11 @@ def _bin(box: Bin) -> Iterator[str]:
     yield f"wall_mm = {number(box.wall * 1000)}"
     if not box.has_walls:
         yield "walls = false             # a surface on which parts lie"
+    if box.p_world_drop is not None:
+        yield f"drop_back_mm = {_mm(np.array(box.p_world_drop))}"
     for region in box.regions:
         yield from ("", "[[bin.region]]", f"name = {text(region.name)}")
-        yield from _pose(region.T_bin_region)
-        yield f"size_mm = {_mm(region.size)}"
+        yield from (*_pose(region.T_bin_region), f"size_mm = {_mm(region.size)}")
 
 
 def _policy(cell: Cell) -> Iterator[str]:

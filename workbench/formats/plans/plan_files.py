@@ -228,7 +228,8 @@ def _arm(table: Table, detections: int) -> ArmPlan:
     table.once("joints", joints)
     legs = tuple(_leg(leg, len(joints)) for leg in _few(table, "legs"))
     table.once("legs", (leg.name for leg in legs))
-    takes_part = not table.has("tool") and not any(leg.name in ("view", "stir") for leg in legs)
+    is_other = table.has("tool") or table.has("held")
+    takes_part = not (is_other or any(leg.name in ("view", "stir") for leg in legs))
     if takes_part and detections == 0:
         raise table.error("detection", "the plan has no detections for it to be one of")
     low, high = (0, detections - 1) if takes_part else (NO_PART, NO_PART)
@@ -244,6 +245,7 @@ def _arm(table: Table, detections: int) -> ArmPlan:
         found=_found_grip(table.table("found")) if table.has("found") else None,
         tcp=name_in(table, "tcp") if table.has("tcp") else "",
         tool=name_in(table, "tool") if table.has("tool") else "",
+        held=name_in(table, "held") if table.has("held") else "",
     )
     table.finish()
     return arm

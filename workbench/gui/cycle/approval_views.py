@@ -25,10 +25,13 @@ from workbench.model.messages.plans import (
     guarantee_message,
     strategy_message,
 )
+from workbench.model.messages.states import held_message
 from workbench.model.motion import MotionModel
 from workbench.model.plan import Guarantee, Plan
 from workbench.model.release import manner_words
+from workbench.model.tools.held_body import HeldAmount, held_radius
 from workbench.proof.claims.clearance import bounds_message
+from workbench.proof.claims.drop_back import fall_height
 from workbench.words.words import IN_ENGLISH, Words
 
 
@@ -210,6 +213,11 @@ def _plan(cell: Cell, plan: Plan) -> list[Fact]:
         name = arm_label(plan.strategy.arm)
         old, new = cell.arm(plan.strategy.arm).tool.name, plan.arms[0].tool
         facts.append((name, ApprovalText.CHANGES_TOOL(old=old, new=new)))
+    if plan.is_drop_plan:
+        held = plan.arms[0].held
+        height = fall_height(cell, HeldAmount(held))
+        drops = ApprovalText.DROPS_BACK(held=held_message(held), height=height)
+        facts.append((arm_label(plan.strategy.arm), drops))
     for arm in plan.picks:
         kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
         grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=label_grasp(arm.grasp, arm.tcp))
@@ -319,6 +327,9 @@ def _clear_of(state: State, plan: Plan) -> Message:
     if not plan.picks:
         is_stirred = plan.is_stir_plan
         clear = ApprovalText.CLEAR_BUT_STIRRED() if is_stirred else ApprovalText.CLEAR_OF_BIN()
+        if plan.is_drop_plan:
+            radius = held_radius(state.cell, HeldAmount(plan.arms[0].held))
+            clear = ApprovalText.CLEAR_BUT_LIFTED(radius=radius)
         return ApprovalText.CLEAR_OF_BIN_AND(clear=clear, things=pallets) if pallets else clear
     unknown = len(plan.obstacles) - on_pallets
     things = [LabelText.PARTS(count=len(plan.detections))]

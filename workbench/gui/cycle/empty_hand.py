@@ -1,5 +1,6 @@
-"""Buttons that plan motions of an empty hand: a scanner to its view, stirring, a change of tool."""
+"""Buttons that plan motions without a part: to a view, stirring, another tool, a drop back."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import viser
@@ -7,15 +8,24 @@ import viser
 from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.empty_hand import PlanStir, PlanToolChange, PlanView, may_stir
+from workbench.app.core.drop_back import PlanDropBack, is_drop_next, may_hold
 from workbench.app.core.state import State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import view_name, views_of
 from workbench.model.robot import HOME
+from workbench.model.tools.held_body import HeldAmount
 from workbench.model.tools.slots import stands_in_slot
 
 SAYS = "Plans the path of the arm with the scanner between home and view; then a person approves."
+
+AMOUNTS: Mapping[str, HeldAmount] = {
+    "one part": HeldAmount.ONE,
+    "two parts": HeldAmount.TWO,
+    "unknown": HeldAmount.UNKNOWN,
+}
+"""What people choose from."""
 
 TO_VIEW, TO_HOME = "Go to view", "Go back home"
 
@@ -44,6 +54,44 @@ class StirButton:
         is_stuck = bool(state.detections) and state.verdict is not None and state.plan is None
         self.button.visible = self._gap.visible = is_stuck
         return is_stuck and may_stir(state)
+
+
+class DropButton:
+    """Below **Plan**, to be seen where a hand may hold something that it should not."""
+
+    def __init__(self, visitor: Visitor):
+        """Add the list and the button."""
+        self._visitor = visitor
+        self._held: Any = visitor.gui.add_dropdown(
+            "In the hand",
+            tuple(AMOUNTS),
+            initial_value="unknown",
+            visible=False,
+            hint="One part as it was gripped, in any orientation; two parts; or unknown: the plan "
+            "keeps more room.",
+        )
+        self.button = visitor.gui.add_button(
+            "Drop back",
+            icon=viser.Icon.ARROW_BACK_UP,
+            visible=False,
+            hint="Plans how the arm carries back what it holds, from where it stands, and opens "
+            "its hand there; then a person approves. The scan is void.",
+        )
+        visitor.on_press(self.button, self.command)
+
+    def command(self) -> PlanDropBack:
+        """What a press asks for."""
+        return PlanDropBack(str(AMOUNTS.get(str(self._held.value), HeldAmount.UNKNOWN)))
+
+    def show(self, new: View) -> bool:
+        """Bring it up to date; whether it is the next step."""
+        state, visitor = new.state, self._visitor
+        self.button.visible = self._held.visible = may_hold(state)
+        if not self.button.visible:
+            return False
+        problem = visitor.refusal(state, self.command(), new.at, new.live.joints)
+        visitor.allow(self.button, visitor.words.render(problem))
+        return problem is None and is_drop_next(state)
 
 
 class ToolButton:

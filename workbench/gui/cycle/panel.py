@@ -24,7 +24,7 @@ from workbench.app.picking.facts import bin_check_of
 from workbench.gui.cycle.approval import ApprovalDialog, row_of
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.bins import BinInput
-from workbench.gui.cycle.empty_hand import StirButton, ToolButton, ViewButton
+from workbench.gui.cycle.empty_hand import DropButton, StirButton, ToolButton, ViewButton
 from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.kit import KitInputs
 from workbench.gui.cycle.outcomes import OutcomeInputs
@@ -159,6 +159,7 @@ class CyclePanel:
             self._row.add_row()
             self._stir = StirButton(self._visitor, self._seed)
             self._tool = ToolButton(self._visitor, self._seed)
+            self._drop = DropButton(self._visitor)
 
     def _add_sending(self, gui: viser.GuiApi) -> None:
         with group(gui, "4 · Approve, 5 · Send to the robot") as sending:
@@ -238,6 +239,8 @@ class CyclePanel:
         self._plan.label = visitor.words.render("Plan the rest" if has_rest else "Plan")
         self._go_on.show(new)
         begin = self._view.button if self._view.show(new) else self._scan
+        if is_drop_next := self._drop.show(new):
+            begin = self._drop.button
         is_stepped = self._step.show(new)
         # The button beside Stop lets the robot move, and none stands where Send was just pressed.
         self._send.visible = self._send_line.visible = not is_stepped
@@ -256,7 +259,7 @@ class CyclePanel:
             problem = visitor.words.render(visitor.refusal(state, command, new.at, joints))
             button.disabled = bool(problem)
             visitor.explain(button, problem)
-        after_end = begin if _has_moved_scanner(state) else self._go_on.button
+        after_end = begin if is_drop_next or _has_moved_scanner(state) else self._go_on.button
         after_finding = self._stir.button if stirs_next else self._plan
         if state.disturbed and state.verdict is not None:
             after_finding = begin

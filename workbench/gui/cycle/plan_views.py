@@ -12,7 +12,7 @@ from workbench.model.candidate import Candidate, Reason
 from workbench.model.derived.row_parts import parts_taken
 from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.plans import cycle_words, strategy_message
-from workbench.model.messages.states import StateText
+from workbench.model.messages.states import StateText, held_message
 from workbench.model.motion import ceil_speed, floor_distance
 from workbench.model.plan import Plan, Proof
 from workbench.proof.claims.clearance import bounds_message, linear_clearance, speed_message
@@ -44,6 +44,9 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
         bounds = (bound.point for bound in proof.speeds if bound.leg == "stir")
         stirs = max(bounds, default=state.cell.policy.stir_speed)
         result = CyclePageText.STIRS(arm=plan.strategy.arm, speed=ceil_speed(stirs))
+    elif plan.is_drop_plan:
+        drops = plan.arms[0]
+        result = CyclePageText.DROPS_BACK(arm=drops.arm, held=held_message(drops.held))
     elif plan.is_tool_plan:
         changed = plan.arms[0]
         result = CyclePageText.CHANGES_TOOL(arm=changed.arm, tool=changed.tool)

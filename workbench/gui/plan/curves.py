@@ -44,6 +44,8 @@ COLOUR_SHARES: Mapping[str, float] = {
     "cross": 0.55,
     "dock": 0.75,
     "undock": 1.0,
+    "lift": 1.0,
+    "carry": 0.55,
 }
 """How much of the arm's colour a leg has, by its name on the page: legs that follow differ."""
 

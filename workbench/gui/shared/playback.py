@@ -262,8 +262,8 @@ def in_hands(
     found: dict[str, tuple[str, pin.SE3]] = {}
     for arm in cell.arms:
         run = latest(runs, arm.name, time)
-        if run is not None and run.leg.holding:
-            plan = row[run.plan]
+        plan = None if run is None else row[run.plan]
+        if run is not None and plan is not None and plan.picks and run.leg.holding:
             arm_plan = plan.arm(arm.name)
             T_first_tcp = from_current_tcp(arm.tool, arm_plan.tcp)
             part = plan.detections[arm_plan.detection].part

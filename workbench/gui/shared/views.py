@@ -50,7 +50,7 @@ REACHED = {
 
 NOTHING_MADE: Mapping[str, str] = {}
 
-JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2, "view": 2, "stir": 2, "change": 2}
+JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2, "view": 2, "stir": 2, "change": 2, "drop": 2}
 
 BEFORE_PLAN = 2
 """Steps that a plan to the view does without."""
@@ -119,7 +119,7 @@ def short(digest: str) -> str:
 def strip_html(state: State) -> str:
     """The steps of a cycle as a strip: done, current, to come."""
     done, plan = REACHED[state.phase], state.plan
-    is_to_view = plan is not None and (plan.is_view_plan or plan.is_tool_plan)
+    is_to_view = plan is not None and not plan.picks and not plan.is_stir_plan
     if is_to_view and state.phase is Phase.DONE:
         done = 0
     # What is worked on for the next cycle while this one moves is no step of this one.

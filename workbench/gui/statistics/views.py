@@ -7,6 +7,7 @@ from html import escape
 from workbench.app.core.state import Phase, State
 from workbench.app.records.restoring import Thing
 from workbench.app.statistics.cycles import Rate
+from workbench.app.statistics.drops import DropCount
 from workbench.app.statistics.kits import KitCount
 from workbench.app.statistics.remaining import remaining_words
 from workbench.app.statistics.statistics import GROUPS, Statistics
@@ -88,6 +89,7 @@ def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
         *([("Other outcomes", words.render(lost))] if dropped or double else []),
         *([] if hourly is None else [("Parts per hour", words.render(hourly))]),
         *(_kit_row(kit, words) for kit in counted.kits),
+        *([("Dropped back", words.render(_dropped(counted.drops)))] if counted.drops.times else []),
     ]
     hours = counted.by_hour()
     charts = [
@@ -119,6 +121,13 @@ def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
         ),
     ]
     return table_html(rows) + "".join(charts)
+
+
+def _dropped(drops: DropCount) -> Message:
+    known = StatisticsText.DROPPED_BACK(times=drops.times, parts=drops.parts)
+    if not drops.unknown:
+        return known
+    return StatisticsText.DROPPED_UNKNOWN(known=known, unknown=drops.unknown)
 
 
 def _kit_row(kit: KitCount, words: Words) -> tuple[str, str]:

@@ -24,6 +24,7 @@ class ApprovalText(Text, subject="page-approval"):
     CHANGES_TOOL = "puts down {old} in its slot and takes {new} from its own"
     STIRS = "stirs what lies in the bin with its hand"
     STIRS_OPEN = "stirs what lies in the bin with its fingers {opening:mm} open"
+    DROPS_BACK = "drops back what it holds ({held}) from {height:mm} at most, then opens the hand"
     TO_HOME = "takes the scanner home"
     TO_VIEW = "takes the scanner to view {view}"
     PROVEN_PLAN = "{cycle:s}, {clearance}, plan {plan}, proof {proof}"
@@ -60,6 +61,10 @@ class ApprovalText(Text, subject="page-approval"):
     CLEAR_OF_POSES = "cell, {things}, as poses from outside state them"
     CLEAR_OF_BIN = "cell and the whole bin, as no scan shows it yet"
     CLEAR_BUT_STIRRED = "all but what lies in the bin, which the hand stirs"
+    CLEAR_BUT_LIFTED = (
+        "cell and the whole bin, with a ball of {radius:mm} around the hand; "
+        "on the way up the hand may touch what lies in the bin"
+    )
     CLEAR_OF_BIN_AND = "{clear}, {things}"
     UNKNOWN_THINGS = "{count} unknown {count:thing|things} in the scan"
     ON_PALLETS = "{count} {count:part|parts} already put down"

@@ -26,6 +26,9 @@ class CyclePageText(Text, subject="page-cycle"):
     UNKNOWN_CLEAR = "{strategy}, clear of {count} unknown {count:obstacle|obstacles}"
     CHANGES_TOOL = "The {arm} arm puts down its tool and takes {tool}, clear of the whole bin"
     STIRS = "The {arm} arm stirs the parts at up to {speed:mm/s}, clear of everything else"
+    DROPS_BACK = (
+        "The {arm} arm drops back what it holds ({held}), clear of the whole bin on its way there"
+    )
     TO_HOME = "The {arm} arm takes the scanner home, clear of the whole bin"
     TO_VIEW = "The {arm} arm takes the scanner to view {view}, clear of the whole bin"
     LEFT = (

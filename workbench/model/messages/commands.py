@@ -20,6 +20,7 @@ class CommandText(Text, subject="command"):
     PLAN_VIEW = "planning the path to the view"
     PLAN_STIR = "planning to stir the parts"
     PLAN_TOOL_CHANGE = "planning to change the tool"
+    PLAN_DROP_BACK = "planning to drop back what the hand holds"
     STATE_TOOL = "the statement of the tool that an arm carries"
     WANT_THRESHOLD = "another threshold"
     SHORTEN_ROW = "another length of the row"

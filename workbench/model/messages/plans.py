@@ -19,6 +19,8 @@ class LegText(Text, subject="leg"):
     CROSS = "cross"
     DOCK = "dock"
     UNDOCK = "undock"
+    LIFT = "lift"
+    CARRY = "carry"
 
 
 class StepText(Text, subject="step"):

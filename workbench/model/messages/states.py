@@ -12,6 +12,7 @@ class TaskText(Text, subject="task"):
     VIEW = "the planning of the path to the view"
     STIR = "the planning to stir the parts"
     CHANGE = "the planning to change the tool"
+    DROP = "the planning to drop back what the hand holds"
     SIGHT = "the scan of the plate"
     BALLS = "the scan of the balls"
     IMPORT = "the new part"
@@ -25,6 +26,19 @@ def task_message(name: str) -> Message:
     """A task of the worker for people."""
     known = {text.name.lower(): text for text in TaskText if text is not TaskText.OTHER}
     return known[name]() if name in known else TaskText.OTHER(name=name)
+
+
+class HeldText(Text, subject="held"):
+    """What a hand holds, as a person states it."""
+
+    ONE = "one part"
+    TWO = "two parts"
+    UNKNOWN = "unknown"
+
+
+def held_message(held: str) -> Message:
+    """What a hand holds, for people."""
+    return HeldText[held.upper()]()
 
 
 class StateText(Text, subject="state"):
@@ -52,6 +66,8 @@ class StateText(Text, subject="state"):
     STIR_PLANNED = "the {arm} arm can stir the parts: {cycle:s}, {clearance}"
     NO_STIR = "no plan to stir the parts: {verdict}"
     STIRRED = "the parts are stirred: scan again"
+    DROP_PLANNED = "the {arm} arm can drop back what it holds ({held}): {cycle:s}, {clearance}"
+    DROPPED_BACK = "the {arm} arm has dropped back what it held: check the hand, then scan"
     SCANNED = "scan with {points} points"
     COMPARED = "search {number} found {count} {count:part|parts}; compare, then take them over"
     PARTS_FROM_OUTSIDE = "{change}, by {person}"

@@ -1,1 +1,1 @@
-"""Tools that an arm puts down and takes up: where they stand, and the legs of a change."""
+"""Tools that an arm puts down and takes up, with the legs of a change; what a hand may hold."""

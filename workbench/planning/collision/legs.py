@@ -19,8 +19,8 @@ from workbench.planning.collision.pairing import LegPhase
 STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
 """Legs on which tool and held part may come as near as the policy's `near_margin`."""
 
-HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
-"""Legs with the part in the hand; after `place` it is released."""
+HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place", "lift", "carry"})
+"""Legs with something in the hand; after `place` and `carry` it is released."""
 
 FREE_STEP, TILT_STEP, SLIDE_STEP = math.radians(30.0), math.radians(15.0), 0.01
 """[rad, rad, m] What a grasp leaves free is tried this far apart, or closer."""
@@ -112,7 +112,7 @@ def phase_of(runs: Sequence[Run], waiting: Sequence[Run] = ()) -> LegPhase:
         waiting: the last legs of arms that stand where these ended.
     """
     # A part is in the hand from the lift on, and lies where it was put once it has been placed.
-    holding = [plan for plan, name, _ in runs if name in HOLDING]
+    holding = [plan for plan, name, _ in runs if name in HOLDING and plan.takes_part]
     holding += [plan for plan, name, _ in waiting if name in HOLDING - {"place"}]
     placed = [plan for plan, name, _ in runs if name == "home"]
     placed += [plan for plan, name, _ in waiting if name in ("place", "home")]

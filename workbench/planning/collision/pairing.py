@@ -11,6 +11,7 @@ from workbench.model.cell import Cell, Policy
 from workbench.model.derived.assembling import insertion_of
 from workbench.model.derived.by_tcp import may_touch
 from workbench.model.geometry import Bools, Floats, Ints
+from workbench.model.tools.held_body import held_labels
 from workbench.planning.collision.bodies import Body, obstacle_label, pairs_of
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -50,7 +51,8 @@ class LegPhase:
     part may come as near as the policy's `near_margin`.  `inserts`: arms on the last linear motion
     to a place, whose part may come as near to the one it is assembled onto as their clearance.
     `stirs`: arms that may be in the world's second obstacle, and their tools in the first, too: a
-    box that stands for all parts, and one above it.
+    box that stands for all parts, and one above it.  `below`: what a hand cannot meet with what it
+    may hold, by the labels of bodies.
     """
 
     moving: frozenset[str]
@@ -61,6 +63,7 @@ class LegPhase:
     straight: frozenset[str] = frozenset()
     inserts: frozenset[str] = frozenset()
     stirs: frozenset[str] = frozenset()
+    below: frozenset[str] = frozenset()
 
     @property
     def key(self) -> tuple[object, ...]:
@@ -68,7 +71,8 @@ class LegPhase:
         holders = tuple(sorted((arm, number) for arm, (number, _) in self.held.items()))
         placers = tuple(sorted((arm, number) for arm, (number, _, _) in self.placed.items()))
         targets = tuple(sorted(self.targets.items()))
-        return (self.moving, holders, placers, targets, self.straight, self.inserts, self.stirs)
+        among = self.straight, self.inserts, self.stirs, self.below
+        return (self.moving, holders, placers, targets, *among)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -182,6 +186,9 @@ class Pairing:
             if may_touch(arm.tool, solid.name)
         }
         self._lip = self._tool & np.array([body.label in touching for body in bodies])
+        unknown = held_labels(cell)
+        self._unknown = np.array([body.label in unknown for body in bodies])
+        self._labels = np.array([body.label for body in bodies])
         self._boxes = [np.array([b.label == obstacle_label(k) for b in bodies]) for k in (0, 1)]
         self._part = np.array([int(b.owner) if b.kind == "part" else -1 for b in bodies])
         self._hand = np.array(
@@ -227,6 +234,11 @@ class Pairing:
         for moved, box in zip((stirs & self._tool, stirs), self._boxes, strict=True):
             counts &= ~((moved[a] & box[b]) | (moved[b] & box[a]))
         own = (carrier[a] == carrier[b]) & (carrier[a] >= 0)
+        # The ball goes around the hand, and the wrist is nearer than it is large.
+        counts &= ~((self._unknown[a] | self._unknown[b]) & own)
+        if phase.below:
+            below = np.isin(self._labels, sorted(phase.below))
+            counts &= ~((self._unknown[a] & below[b]) | (self._unknown[b] & below[a]))
         margins = np.full(len(a), self._policy.margin)
         margins[own] = self._policy.self_margin
         if phase.straight:

@@ -17,11 +17,12 @@ from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.load import tool_loads
-from workbench.model.plan import NO_PART, ArmPlan, Guarantee, Leg, Plan, Step, Strategy
+from workbench.model.plan import Leg, Plan
 from workbench.model.scan import Scene
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
+from workbench.planning.empty_hand.alone import arm_alone, plan_alone, random_of
 from workbench.planning.kinematics.inverse import configurations, starts_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.put_down import home_of
@@ -88,20 +89,8 @@ def route_stir(world: World, top: float, scene: Scene, *, seed: int) -> Plan | V
         if isinstance(legs, Verdict):
             refusal = max(refusal, legs, key=lambda verdict: verdict.progress)
             continue
-        nothing = arm.name, NO_PART, "", pin.SE3.Identity()
-        return Plan(
-            cell=world.cell.name,
-            cell_digest=world.cell.digest,
-            scan_digest=scene.scan_digest,
-            seed=seed,
-            strategy=Strategy.single(arm.name),
-            guarantee=Guarantee.ONE_AT_A_TIME,
-            detections=scene.detections,
-            obstacles=scene.obstacles,
-            arms=(ArmPlan(*nothing, arm.joints, legs, loads=tool_loads(arm.tool)),),
-            sequence=tuple(Step(((arm.name, leg.name),)) for leg in legs),
-            seconds={"route": working_time() - began},
-        )
+        arm_plan = arm_alone(arm, legs, tool_loads(arm.tool))
+        return plan_alone(world.cell, scene, arm_plan, seed=seed, began=began)
     return refusal
 
 
@@ -207,7 +196,7 @@ def _follow_clear(
 def _legs(world: World, arm: Arm, path: Floats, seed: int) -> tuple[Leg, ...] | Verdict:
     """The legs there, through the parts and home again."""
     home, opening = home_of(world, arm), stir_opening(world.cell, arm)
-    rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
+    rng = random_of(arm, seed)
     world.enter(LegPhase(frozenset({arm.name}), {arm.name: opening}))
     reach = free_path(world, arm, home[None], path[0], rng)
     if isinstance(reach, Verdict):

@@ -10,7 +10,6 @@ from functools import partial
 from itertools import product
 
 import numpy as np
-import pinocchio as pin
 
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Cell
@@ -19,13 +18,14 @@ from workbench.model.load import change_loads
 from workbench.model.messages.plans import leg_message
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.motion import TOOL_LEGS, LegName
-from workbench.model.plan import NO_PART, ArmPlan, Guarantee, Leg, Plan, Step, Strategy
+from workbench.model.plan import Leg, Plan
 from workbench.model.robot import ToolSlot
 from workbench.model.scan import Scene
 from workbench.model.tools.slots import slot_of, standing_name, with_mounted
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import DEEPEST_IN_SLOT, LegPhase
 from workbench.planning.collision.world import World
+from workbench.planning.empty_hand.alone import arm_alone, plan_alone, random_of
 from workbench.planning.kinematics.inverse import configurations, starts_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.put_down import home_of
@@ -82,20 +82,8 @@ def route_change(
     if isinstance(legs, Verdict):
         return legs
     loads = change_loads(arm.tool, cells[2].arm(arm_name).tool)
-    nothing = arm.name, NO_PART, "", pin.SE3.Identity()
-    return Plan(
-        cell=cell.name,
-        cell_digest=cell.digest,
-        scan_digest=scene.scan_digest,
-        seed=seed,
-        strategy=Strategy.single(arm.name),
-        guarantee=Guarantee.ONE_AT_A_TIME,
-        detections=(),
-        obstacles=scene.obstacles,
-        arms=(ArmPlan(*nothing, arm.joints, legs, loads=loads, tool=tool),),
-        sequence=tuple(Step(((arm.name, leg.name),)) for leg in legs),
-        seconds={"route": working_time() - began},
-    )
+    arm_plan = replace(arm_alone(arm, legs, loads), tool=tool)
+    return plan_alone(cell, scene, arm_plan, seed=seed, began=began)
 
 
 def slot_problem(cell: Cell, arm_name: str, tool: str) -> Verdict | None:
@@ -122,7 +110,7 @@ def _legs(worlds: _Worlds, old: str, new: str, seed: int) -> tuple[Leg, ...] | V
     home = home_of(worlds.bare, arm)
     refusal = Verdict(Reason.NO_PATH, Stage.ROUTE)
     for there, here in product(*visits):
-        rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
+        rng = random_of(arm, seed)
         free: dict[LegName, Floats] = {}
         between: tuple[tuple[LegName, World, Floats, Floats], ...] = (
             ("reach", worlds.old, home, there.carrying[-1]),

@@ -1,16 +1,15 @@
 """The path of a scanner on an arm to its view, or home: one free leg, as it will be sent."""
 
-from dataclasses import replace
-
 import numpy as np
-import pinocchio as pin
 
 from workbench.model.candidate import Verdict
 from workbench.model.geometry import Floats
 from workbench.model.load import tool_loads
-from workbench.model.plan import NO_PART, ArmPlan, Guarantee, Plan, Step, Strategy
-from workbench.planning.collision.legs import phase_of
+from workbench.model.plan import Plan
+from workbench.model.scan import Scene
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
+from workbench.planning.empty_hand.alone import arm_alone, plan_alone, random_of
 from workbench.planning.picking.put_down import posture_of
 from workbench.planning.picking.route import free_path, leg_of
 from workbench.planning.planners.clock import working_time
@@ -35,26 +34,13 @@ def route_view(
     """
     began = working_time()
     arm = world.arm(arm_name)
-    nothing = arm.name, NO_PART, "", pin.SE3.Identity()
-    plan = ArmPlan(*nothing, arm.joints, (), loads=tool_loads(arm.tool))
     opening = float(arm.tool.stroke[1])
-    world.enter(phase_of([(plan, "view", opening)]))
+    world.enter(LegPhase(frozenset({arm.name}), {arm.name: opening}))
     start, goal = (posture_of(world, arm, np.asarray(q)) for q in between)
-    rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
-    path = free_path(world, arm, start[None], goal, rng)
+    path = free_path(world, arm, start[None], goal, random_of(arm, seed))
     if isinstance(path, Verdict):
         return path
     leg = leg_of(world, arm, "view", path, opening, None)
-    return Plan(
-        cell=world.cell.name,
-        cell_digest=world.cell.digest,
-        scan_digest=scan_digest,
-        seed=seed,
-        strategy=Strategy.single(arm.name),
-        guarantee=Guarantee.ONE_AT_A_TIME,
-        detections=(),
-        obstacles=world.obstacles,
-        arms=(replace(plan, legs=(leg,)),),
-        sequence=(Step(((arm.name, "view"),)),),
-        seconds={"route": working_time() - began},
-    )
+    scene = Scene(scan_digest, (), world.obstacles)
+    arm_plan = arm_alone(arm, (leg,), tool_loads(arm.tool))
+    return plan_alone(world.cell, scene, arm_plan, seed=seed, began=began)

@@ -42,6 +42,8 @@ MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
     "cross": "joint",
     "dock": "linear",
     "undock": "linear",
+    "lift": "linear",
+    "carry": "joint",
 }
 
 STRAIGHT_REASONS: Mapping[LegName, Reason] = {

@@ -15,10 +15,11 @@ from workbench.model.messages.plans import (
     strategy_message,
 )
 from workbench.model.messages.proofs import ProofText
-from workbench.model.motion import LEG_NAMES, SLOT_LEGS, STIR_LEGS, TOOL_LEGS, VIEW_LEGS
+from workbench.model.motion import DROP_LEGS, LEG_NAMES, SLOT_LEGS, STIR_LEGS, TOOL_LEGS, VIEW_LEGS
 from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Strategy, Violation
 from workbench.model.robot import Tcp
 from workbench.model.scan import Detection, Obstacle, Scene
+from workbench.proof.claims.drop_back import drop_violations
 from workbench.proof.claims.scene import unseen_bin
 from workbench.proof.claims.stirring import stir_violations
 from workbench.proof.claims.tool_change import change_violations
@@ -27,8 +28,8 @@ JOINED_WITHIN = 1e-9
 """[rad] So far from the end of a leg the next one may begin; and half of the smallest step that can
 be sent from a home that is no whole number of steps."""
 
-HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
-LINEAR: frozenset[LegName] = frozenset((*SLOT_LEGS, "approach", "extract", "place"))
+HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place", "lift", "carry"})
+LINEAR: frozenset[LegName] = frozenset((*SLOT_LEGS, "approach", "extract", "place", "lift"))
 
 
 def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]:
@@ -63,6 +64,11 @@ def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]
             yield from stir_violations(cell, plan, arm_plan)
             home = cell.arm(arm_plan.arm).home
             yield from _legs(cell, arm_plan, STIR_LEGS, (home, home))
+        elif plan.is_drop_plan:
+            yield from drop_violations(cell, plan, arm_plan)
+            start = arm_plan.legs[0].q[0] if arm_plan.legs else np.empty(0)
+            names = DROP_LEGS[arm_plan.legs[0].name != "lift" :] if arm_plan.legs else DROP_LEGS
+            yield from _legs(cell, arm_plan, names, (start, cell.arm(arm_plan.arm).home))
         elif not arm_plan.takes_part:
             yield from _view(cell, plan, arm_plan)
         elif not 0 <= arm_plan.detection < len(plan.detections):

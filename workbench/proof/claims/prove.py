@@ -17,6 +17,7 @@ from workbench.proof.claims.form import (
     opening_and_time_violations,
 )
 from workbench.proof.claims.grasps.at_slot import slot_violations
+from workbench.proof.claims.grasps.dropped import held_violations
 from workbench.proof.claims.grasps.loads import load_violations
 from workbench.proof.claims.grasps.rolls import roll_violations
 from workbench.proof.claims.grasps.taking import grasp_violations, pair_violations
@@ -76,7 +77,7 @@ def prove(
     if not violations:
         stretches = [(at_stated_tcps(each, part), part) for each, part in by_stretches(cell, plan)]
         found = [_claims(each, scene, part, resolution, stated) for each, part in stretches]
-        begins = stretches[0][0]
+        begins = at_stated_tcps(cell, plan)
         violations += [f for arm in plan.arms for f in load_violations(begins, plan, arm)]
         violations += [violation for claims in found for violation in claims.violations]
     nearest = min((claims.walked for claims in found), key=lambda w: w.clearance, default=None)
@@ -117,6 +118,7 @@ def _claims(
     # Of joints that are too fast already, points are too.
     violations += too_fast or points_too_fast
     violations += slot_violations(cell, tree, plan)
+    violations += held_violations(cell, tree, plan)
     violations += [f for pick in picks for f in grasp_violations(cell, tree, plan, pick)]
     violations += [f for pick in picks for f in sight_violations(cell, scene, plan, pick)]
     violations += [f for pick in picks for f in roll_violations(cell, tree, plan, pick)]

@@ -24,7 +24,9 @@ from workbench.proof.engine.sets import Sets
 INTO_SLOT: frozenset[LegName] = frozenset({"stow", "dock"})
 """Those of them that end in the slot; the others begin there."""
 
-NEAR_MARGIN_LEGS: frozenset[LegName] = frozenset((*SLOT_LEGS, "approach", "extract", "stir"))
+NEAR_MARGIN_LEGS: frozenset[LegName] = frozenset(
+    (*SLOT_LEGS, "approach", "extract", "stir", "lift")
+)
 """Legs on which tool and held part keep `near_margin`: straight to a part and with it, among the
 parts, and at the slot of a tool; the place leg is linear but keeps `margin`."""
 
@@ -38,13 +40,15 @@ class LegStage:
     """Part of a leg: `sets` are all configurations it may pass.
 
     `comes_off`: a lifted part may begin in touch with its bed here; `leaves`: the hand may begin
-    in touch with the part that it has let go of.
+    in touch with the part that it has let go of; `rises`: the hand goes straight up with what it
+    may hold.
     """
 
     sets: Sets
     now: Situation
     comes_off: bool = False
     leaves: bool = False
+    rises: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,7 +153,7 @@ def stages_of(
         yield LegStage(sets.after(~has_cleared), now, leaves=True)
         yield LegStage(sets.after(has_cleared), now)
     else:
-        yield LegStage(sets, now)
+        yield LegStage(sets, now, rises=name == "lift")
     if name in ("approach", "place") and arm_motion.arm.tool.fingers:
         fingers = np.zeros(tree.model.nq, bool)
         fingers[tree.columns[arm_motion.arm.name][len(arm_motion.arm.joints) :]] = True
@@ -175,7 +179,7 @@ def situation_of(tree: Tree, step: MovingStep, *ones: MovingArm) -> Situation:
         near_arm=arm_motion.arm.name if arm_motion.leg.name in NEAR_MARGIN_LEGS else "",
         target=arm_motion.plan.detection if arm_motion.leg.name == "approach" else -1,
         placed_now=_placed_now(arm_motion),
-        stirs=arm_motion.arm.name if arm_motion.leg.name == "stir" else "",
+        stirs=arm_motion.arm.name if arm_motion.leg.name in ("stir", "lift") else "",
         slot=_fixtures_at_slot(arm_motion) if arm_motion.leg.name in SLOT_LEGS else frozenset(),
     )
 

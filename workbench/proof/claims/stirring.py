@@ -80,6 +80,17 @@ def content_of(cell: Cell, scene: Scene) -> Content:
     return Content(float(high), boxes, tuple(others))
 
 
+def unseen_content(cell: Cell, scene: Scene) -> Content:
+    """The boxes that stand for all that lies in a bin that no scan shows: it is full to the rim."""
+    kinds, high = [part.name for part in cell.parts], float(cell.bin.size[2])
+    whole = filled_bin(cell, high, kinds)
+    boxes = (
+        _slice(cell, whole.size[:2], 0.0, high),
+        _slice(cell, whole.size[:2], high, float(whole.size[2])),
+    )
+    return Content(high, boxes, scene.obstacles)
+
+
 def _slice(cell: Cell, floor: Floats, low: float, high: float) -> Obstacle:
     """A box over a part `floor` (2,) [m] of the bin, between two heights [m] above its floor."""
     T_bin_box = pin.SE3(np.eye(3), np.array([0.0, 0.0, (low + high) / 2]))
@@ -87,10 +98,13 @@ def _slice(cell: Cell, floor: Floats, low: float, high: float) -> Obstacle:
 
 
 def bodies_of(cell: Cell, tree: Tree, plan: Plan) -> tuple[CheckedBody, ...]:
-    """All that has a shape while a plan runs; where a hand stirs, boxes instead of the parts."""
-    if not plan.is_stir_plan:
+    """All that has a shape while a plan runs.
+
+    Where a hand stirs, or drops back what it holds, boxes stand instead of the parts.
+    """
+    if not (plan.is_stir_plan or plan.is_drop_plan):
         return scene_bodies(cell, tree, plan.scene)
-    content = content_of(cell, plan.scene)
+    content = (unseen_content if plan.is_drop_plan else content_of)(cell, plan.scene)
     rest = scene_bodies(cell, tree, Scene(plan.scan_digest, (), content.others))
     boxes = [
         CheckedBody("still", label, "still", "", -1, 0, box.T_world_box, Box(box.size))

@@ -6,15 +6,17 @@
 | links that the robot's description says need no check | is not compared |
 | link or tool and another link or tool of the same arm | `self_margin` |
 | held part and a link of the arm that holds it | `margin`, on approach and extract `near_margin` |
-| tool or held part, on approach, extract and stir, and what no arm carries | `near_margin` |
+| tool or held part, on approach, extract, stir and lift, and what no arm carries | `near_margin` |
 | tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
 | the same, of a solid that the TCP does not name in `touches` | `near_margin` |
 | closing or opening fingers and the part they take or let go | is not compared |
 | lifted part and what it lies on, over the first `release` | as at the start, less 0.5 mm |
 | the same, at every turn of a part whose roll is not known | see `grasps.rolls` |
 | hand and the part it has let go of, until it has left it once | as at the start, less 0.5 mm |
-| tool that stirs and the boxes that stand for all parts, on the leg `stir` | is not compared |
+| tool that stirs and the boxes that stand for all parts, on `stir` and `lift` | is not compared |
 | the arm that stirs and the upper one of these, on that leg | is not compared |
+| what a hand may hold and what it leaves below or beside it, on `lift` | is not compared |
+| what a hand may hold and the arm that holds it | is not compared |
 | tool or flange, straight at a slot, and the tool or fixture there | as there, less 0.5 mm |
 | part that is assembled, on its last straight motion, and the one it comes onto | `clearance` |
 | everything else | `margin` |
@@ -31,7 +33,8 @@ import numpy as np
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.assembling import insertion_of
-from workbench.model.geometry import Bools, Ints
+from workbench.model.geometry import Bools, Floats, Ints
+from workbench.model.tools.held_body import held_labels, held_reach, stand_below
 from workbench.proof.engine.bodies import CheckedBody, is_round
 from workbench.proof.engine.pairs import BodyPairs, Pairs
 from workbench.proof.engine.robot import Tree
@@ -70,8 +73,8 @@ class Situation:
     on approach or extract, empty for none.  `target`: the detection that its tool is about to
     take.  `fingers_move_at`: the detection around which fingers close or open now; contacts with
     it are not compared then.  `placed_now`: the detection that is on its last straight motion to
-    its place.  `stirs`: the arm that stirs the parts.  `slot`: the fixtures that tool and flange
-    may touch on the linear legs at the slot of a tool.
+    its place.  `stirs`: the arm whose tool may be among the parts.  `slot`: the fixtures that tool
+    and flange may touch on the linear legs at the slot of a tool.
     """
 
     moves: Bools
@@ -111,6 +114,7 @@ class PairTable(BodyPairs):
         self._tool = np.array([b.kind == "tool" for b in bodies])
         self._content = np.array([b.label == CONTENT for b in bodies])
         self._above = np.array([b.label == ABOVE_CONTENT for b in bodies])
+        self._unknown = np.isin([b.label for b in bodies], sorted(held_labels(cell)))
         barred = _barred_labels(cell)
         self._barred = np.array([b.label in barred for b in bodies])
         self._finger = np.array([b.is_finger for b in bodies])
@@ -147,7 +151,10 @@ class PairTable(BodyPairs):
             stirs = self._carrier == self._arm_numbers[now.stirs]
             for moves, box in ((stirs, self._above), (stirs & self._tool, self._content)):
                 counts &= ~((moves[a] & box[b]) | (moves[b] & box[a]))
-        rows = np.flatnonzero(counts)
+        # The ball goes around the hand, and the wrist is nearer than it is large.
+        rows = np.flatnonzero(
+            counts & ~((self._unknown[a] | self._unknown[b]) & (carrier[a] == carrier[b]))
+        )
         a, b = a[rows], b[rows]
         commons = self._tree.commons[joints[a], joints[b]]
 
@@ -186,6 +193,18 @@ class PairTable(BodyPairs):
         in_slot = np.isin(self._fixture, sorted(now.slot))
         couples = self._couples & (self._carrier == self._arm_numbers.get(now.near_arm))
         return (in_slot[a] & couples[b]) | (in_slot[b] & couples[a])
+
+    def never_met(self, pairs: Pairs, p: Floats) -> Bools:
+        """Which pairs (p,) are of what a hand may hold and of what it cannot meet on its way up.
+
+        The TCP begins at a point (3,) [m] in the world; see `held_body.stand_below`.
+        """
+        still = [body.kind == "still" for body in self._bodies]
+        shapes = [(b.shape, b.T_joint_body) for b in self._bodies if b.kind == "still"]
+        below = np.zeros(len(self._bodies), bool)
+        below[still] = stand_below(shapes, p, held_reach(self._cell), self._cell.bin.T_world_bin)
+        a, b = self.first[pairs.rows], self.second[pairs.rows]
+        return (self._unknown[a] & below[b]) | (self._unknown[b] & below[a])
 
     def _mates(self, number: int) -> tuple[Bools, float]:
         """Pairs of bodies (b, b) of a part and the one it comes onto, and what they keep [m]."""

@@ -6,13 +6,14 @@ Each is proven as a plan of its own, in the cell as it is then: tools that the a
 stand in their slots.  What may touch there, and how, `table` states.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from workbench.model.cell import Cell, Tool
 from workbench.model.messages.proofs import ProofText
-from workbench.model.motion import LegName
+from workbench.model.motion import DROP_LEGS, LegName
 from workbench.model.plan import ArmPlan, Plan, Violation
+from workbench.model.tools.held_body import HeldAmount, with_held
 from workbench.model.tools.slots import NO_TOOL
 
 STRETCHES: tuple[tuple[LegName, ...], ...] = (
@@ -42,9 +43,12 @@ def change_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Vio
 def by_stretches(cell: Cell, plan: Plan) -> Iterator[tuple[Cell, Plan]]:
     """The cell as it is on each stretch of a plan, and the plan of that stretch.
 
-    The plan of a stretch names the tool of the slot that it is at.  A plan that changes no tool is
-    one stretch.
+    The plan of a stretch names the tool of the slot that it is at.  A plan by which a hand drops
+    what it holds has one stretch with that in the hand, and one without.  Others are one stretch.
     """
+    if plan.is_drop_plan:
+        yield from _by_drop(cell, plan)
+        return
     if not plan.is_tool_plan:
         yield cell, plan
         return
@@ -54,10 +58,22 @@ def by_stretches(cell: Cell, plan: Plan) -> Iterator[tuple[Cell, Plan]]:
     at = (arm.tool, arm.tool, new, new)
     carried = (arm.tool, NO_TOOL, NO_TOOL, new)
     for names, slot_tool, tool in zip(STRETCHES, at, carried, strict=True):
-        legs = tuple(leg for leg in arm_plan.legs if leg.name in names)
-        steps = tuple(step for step in plan.sequence if step.runs[0][1] in names)
-        then = replace(arm_plan, legs=legs, tool=slot_tool.name)
-        yield _carrying(cell, arm.name, tool), replace(plan, arms=(then,), sequence=steps)
+        then = replace(arm_plan, tool=slot_tool.name)
+        yield _carrying(cell, arm.name, tool), _stretch(plan, then, names)
+
+
+def _by_drop(cell: Cell, plan: Plan) -> Iterator[tuple[Cell, Plan]]:
+    (arm_plan,) = plan.arms
+    holding = with_held(cell, arm_plan.arm, HeldAmount(arm_plan.held))
+    yield holding, _stretch(plan, arm_plan, DROP_LEGS[:-1])
+    yield cell, _stretch(plan, arm_plan, DROP_LEGS[-1:])
+
+
+def _stretch(plan: Plan, arm_plan: ArmPlan, names: Sequence[LegName]) -> Plan:
+    """The plan of the legs of these names."""
+    legs = tuple(leg for leg in arm_plan.legs if leg.name in names)
+    steps = tuple(step for step in plan.sequence if step.runs[0][1] in names)
+    return replace(plan, arms=(replace(arm_plan, legs=legs),), sequence=steps)
 
 
 def _carrying(cell: Cell, name: str, tool: Tool) -> Cell:

@@ -27,6 +27,7 @@ from workbench.proof.claims.stages import (
     situation_of,
     stages_of,
     steps_of,
+    tcp,
     waiting_fingers,
 )
 from workbench.proof.claims.stirring import bodies_of
@@ -155,6 +156,9 @@ class Walk:
             pairs = all_pairs.hiding(all_pairs.released | all_pairs.at_slot)
             if stage.now.slot:
                 pairs = self._as_at_slot(step, arm_motion, pairs)
+            if stage.rises:
+                p = tcp(self._tree, step.base, arm_motion.arm, arm_motion.path[0]).translation
+                pairs = pairs.among(~self._table.never_met(pairs, p))
             if stage.comes_off or stage.leaves:
                 pairs = self._as_it_begins(step, arm_motion, stage, pairs)
             self._ask(step, arm_motion, ((stage.sets, *waiting_fingers(self._tree, step)),), pairs)

@@ -30,6 +30,7 @@ from workbench.app.core.cycle.rows import ShortenRow
 from workbench.app.core.cycle.scanning import USUAL_PARTS, TakeScan
 from workbench.app.core.cycle.sending import NextStep, SendPlan, Stop
 from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.drop_back import PlanDropBack
 from workbench.app.core.session import AcknowledgeChanges, WriteNote
 from workbench.app.core.value_checks import (
     DETAIL,
@@ -46,8 +47,9 @@ from workbench.model.prediction import CHANGE_KINDS, TOGETHER, Seen
 from workbench.model.recipes.recipe import HIGHEST_NUMBER, NO_RECIPE
 from workbench.model.release import SLOWEST, PickResult
 from workbench.model.scan import ALL_KINDS, SearchOverrides
+from workbench.model.tools.held_body import HeldAmount
 from workbench.plugins.planner import planner_names
-from workbench.web.api.fields import Field
+from workbench.web.api.fields import Field, number_schema, text_schema, whole_schema
 from workbench.web.api.schemas import FLAG
 
 Values = Mapping[str, Any]
@@ -73,19 +75,7 @@ class Call:
         return self.kind(**values) if self.make is None else self.make(values)
 
 
-def _number(low: float, high: float) -> Values:
-    return {"type": "number", "minimum": low, "maximum": high}
-
-
-def _whole(low: int, high: int) -> Values:
-    return {"type": "integer", "minimum": low, "maximum": high}
-
-
-def _text(longest: int) -> Values:
-    return {"type": "string", "maxLength": longest}
-
-
-SEED = Field("seed", "the same seed gives the same result", _whole(0, SEED_LIMIT - 1), 0)
+SEED = Field("seed", "the same seed gives the same result", whole_schema(0, SEED_LIMIT - 1), 0)
 DIGEST: Values = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
 PLAN = Field("plan", "digest of the plan that is meant", DIGEST)
 ROW = Field(
@@ -95,9 +85,9 @@ ROW = Field(
     "",
 )
 RAN = Field("ran", "digest of what runs now, as the state has it", DIGEST)
-BIN = Field("name", "of one of the `bins` of the state", _text(LONGEST_NAME))
-VIEW = Field("name", "of one of the `views` of the state", _text(LONGEST_NAME))
-TO = Field("to", "name of somebody who has asked for control", _text(LONGEST_NAME))
+BIN = Field("name", "of one of the `bins` of the state", text_schema(LONGEST_NAME))
+VIEW = Field("name", "of one of the `views` of the state", text_schema(LONGEST_NAME))
+TO = Field("to", "name of somebody who has asked for control", text_schema(LONGEST_NAME))
 
 OVERRIDES = ("planner", "order", "iterations", "margin", "metric", "picks")
 
@@ -152,21 +142,27 @@ def _approve(values: Values) -> Command:
 
 
 TOOL = (
-    Field("tool", "its name; it stands in its slot", _text(LONGEST_NAME)),
-    Field("arm", "its name; empty: the first one with that slot", _text(LONGEST_NAME), ""),
+    Field("tool", "its name; it stands in its slot", text_schema(LONGEST_NAME)),
+    Field("arm", "its name; empty: the first one with that slot", text_schema(LONGEST_NAME), ""),
     SEED,
 )
 
+DROP_SAYS = "Plan and prove how an arm drops back what it holds, from where it stands."
+DROP = (
+    Field("held", "what the hand holds", {"type": "string", "enum": tuple(HeldAmount)}, "unknown"),
+    Field("arm", "its name; empty: the one that is not at home", text_schema(LONGEST_NAME), ""),
+    SEED,
+)
 SCAN_FIELDS = (
     SEED,
-    Field("parts", "in the simulated pile", _whole(0, MOST_PARTS), USUAL_PARTS),
+    Field("parts", "in the simulated pile", whole_schema(0, MOST_PARTS), USUAL_PARTS),
     Field("stays", "simulated parts left stay, if seed and parts are those before", FLAG, True),
 )
 
 FIND_FIELDS = (
     SEED,
-    Field("detail", "share of the usual detail", _number(*DETAIL), 1.0),
-    Field("least_score", "parts below are not taken", _number(0.0, 1.0), 0.0),
+    Field("detail", "share of the usual detail", number_schema(*DETAIL), 1.0),
+    Field("least_score", "parts below are not taken", number_schema(0.0, 1.0), 0.0),
 )
 
 PLAN_FIELDS = (
@@ -174,43 +170,47 @@ PLAN_FIELDS = (
     Field(
         "strategy",
         "which arms work: one of the `strategies` of the state; empty: the recipe's, or auto",
-        _text(LONGEST_NAME),
+        text_schema(LONGEST_NAME),
         "",
     ),
     Field(
         "threshold",
         "[m] parts nearer to each other are taken one after the other; the recipe's or the cell's "
         "where it is not given",
-        _number(0.0, 1.0),
+        number_schema(0.0, 1.0),
         None,
     ),
     Field("planner", "of free legs", {"type": "string", "enum": planner_names()}, default=None),
     Field("order", "of the parts", {"type": "string", "enum": ORDER_NAMES}, default=None),
-    Field("iterations", "of the planner", _whole(1, MOST_ITERATIONS), default=None),
+    Field("iterations", "of the planner", whole_schema(1, MOST_ITERATIONS), default=None),
     Field(
         "margin",
         "[m] kept from everything; not less than the cell's",
-        _number(0.0, LARGEST_MARGIN),
+        number_schema(0.0, LARGEST_MARGIN),
         default=None,
     ),
-    Field("metric", "how much each joint counts of the one before", _number(0.05, 1.0), None),
-    Field("picks", "plans in a row after this scan, at most", _whole(1, MOST_PICKS), None),
+    Field("metric", "how much each joint counts of the one before", number_schema(0.05, 1.0), None),
+    Field("picks", "plans in a row after this scan, at most", whole_schema(1, MOST_PICKS), None),
 )
 
 CALLS: tuple[Call, ...] = (
     Call("/scan", "Take a scan.", TakeScan, SCAN_FIELDS, begins=True),
     Call("/localize", "Find the parts in the scan.", FindParts, FIND_FIELDS, True, _find),
-    Call(
-        "/plan", "Judge candidates, make a plan and prove it.", MakePlan, PLAN_FIELDS, True, _plan
-    ),
+    Call("/plan", "Judge candidates, plan and prove.", MakePlan, PLAN_FIELDS, True, _plan),
     Call(
         "/view",
         "Plan and prove the path of an arm's scanner to the chosen view, or back.",
         PlanView,
-        (SEED, Field("view", "its name; empty: that of the cell; `home`", _text(LONGEST_NAME), "")),
+        (
+            SEED,
+            Field(
+                "view", "its name; empty: that of the cell; `home`", text_schema(LONGEST_NAME), ""
+            ),
+        ),
         begins=True,
     ),
     Call("/stir", "Plan and prove how an arm stirs the parts.", PlanStir, (SEED,), begins=True),
+    Call("/drop-back", DROP_SAYS, PlanDropBack, DROP, begins=True),
     Call("/tool", "Plan and prove how an arm changes its tool.", PlanToolChange, TOOL, begins=True),
     Call(
         "/emptying",
@@ -220,12 +220,12 @@ CALLS: tuple[Call, ...] = (
             Field(
                 "part",
                 "which of the cell's fall, joined by +; all of them in turn where none is named",
-                _text(LONGEST_TEXT),
+                text_schema(LONGEST_TEXT),
                 "",
             ),
-            Field("parts", "in a pile", _whole(1, MOST_PARTS), 15),
-            Field("piles", "each with the next seed", _whole(1, MOST_PILES), 3),
-            Field("seed", "of the first pile", _whole(0, SEED_LIMIT - MOST_PILES), 0),
+            Field("parts", "in a pile", whole_schema(1, MOST_PARTS), 15),
+            Field("piles", "each with the next seed", whole_schema(1, MOST_PILES), 3),
+            Field("seed", "of the first pile", whole_schema(0, SEED_LIMIT - MOST_PILES), 0),
             Field(
                 "seen",
                 "planned with true poses, or with those found in simulated scans",
@@ -236,7 +236,7 @@ CALLS: tuple[Call, ...] = (
                 "changes",
                 "of the cell, tried one at a time on the same piles: all, or kinds joined by + of "
                 + ", ".join(CHANGE_KINDS),
-                _text(LONGEST_TEXT),
+                text_schema(LONGEST_TEXT),
                 "",
             ),
         ),
@@ -257,13 +257,16 @@ CALLS: tuple[Call, ...] = (
         "/threshold",
         "Want another threshold; a plan made with the one before is stale.",
         WantThreshold,
-        (Field("threshold", "[m]", _number(0.0, 1.0)),),
+        (Field("threshold", "[m]", number_schema(0.0, 1.0)),),
     ),
     Call(
         "/row",
         "Carry out only so many plans of the row; a larger number brings back what was left out.",
         ShortenRow,
-        (PLAN, Field("picks", "plans in all, the first one among them", _whole(1, MOST_PICKS))),
+        (
+            PLAN,
+            Field("picks", "plans in all, the first one among them", whole_schema(1, MOST_PICKS)),
+        ),
         make=lambda values: ShortenRow(values["plan"], values["picks"]),
     ),
     Call(
@@ -281,7 +284,7 @@ CALLS: tuple[Call, ...] = (
         (
             PLAN,
             ROW,
-            Field("speed_share", "of the planned speed", _number(SLOWEST, 1.0), 1.0),
+            Field("speed_share", "of the planned speed", number_schema(SLOWEST, 1.0), 1.0),
             Field("is_stepped", "wait before each step", FLAG, default=False),
         ),
         make=_approve,
@@ -298,7 +301,7 @@ CALLS: tuple[Call, ...] = (
         "/step",
         "Let the step run that the robot waits before, of a plan that is sent step by step.",
         NextStep,
-        (Field("number", "of the step, from 1 on", _whole(0, SEED_LIMIT - 1)),),
+        (Field("number", "of the step, from 1 on", whole_schema(0, SEED_LIMIT - 1)),),
     ),
     Call("/stop", "Send nothing more and close the link.", Stop),
     Call("/cancel", "End the running task.", CancelJob),
@@ -321,10 +324,10 @@ CALLS: tuple[Call, ...] = (
             Field(
                 "detection",
                 "index of the part in the plan, or the first one",
-                _whole(0, 10_000),
+                whole_schema(0, 10_000),
             ),
             Field("is_picked", "whether it was", FLAG),
-            Field("why", "what is known about a failure", _text(LONGEST_TEXT), ""),
+            Field("why", "what is known about a failure", text_schema(LONGEST_TEXT), ""),
             Field(
                 "result",
                 "what became of it, where more is known than `is_picked` says",
@@ -340,7 +343,7 @@ CALLS: tuple[Call, ...] = (
         "/note",
         "Write into the session what somebody saw or did at the cell.",
         WriteNote,
-        (Field("text", "the note", _text(LONGEST_TEXT)),),
+        (Field("text", "the note", text_schema(LONGEST_TEXT)),),
     ),
     Call(
         "/recipe",
@@ -350,7 +353,7 @@ CALLS: tuple[Call, ...] = (
             Field(
                 "number",
                 "of one of the `recipes` of the state; 0: none, the cell is as its file states it",
-                _whole(NO_RECIPE, HIGHEST_NUMBER),
+                whole_schema(NO_RECIPE, HIGHEST_NUMBER),
             ),
         ),
     ),
@@ -378,13 +381,13 @@ CALLS: tuple[Call, ...] = (
         "/cell/save",
         "Write the changes of the cell and its parts to their files.",
         SaveCell,
-        (Field("remark", "why it was changed", _text(LONGEST_TEXT), ""),),
+        (Field("remark", "why it was changed", text_schema(LONGEST_TEXT), ""),),
     ),
     Call(
         "/part/correct",
         "Have a part as large as the scan shows it, and search again; written as by Save.",
         CorrectPart,
-        (Field("part", "one of the `wrong_parts` of the state", _text(LONGEST_NAME)),),
+        (Field("part", "one of the `wrong_parts` of the state", text_schema(LONGEST_NAME)),),
         begins=True,
     ),
     Call("/control/ask", "Ask for control.", AskForControl),

@@ -38,6 +38,21 @@ class Field:
         return self.default is REQUIRED
 
 
+def number_schema(low: float, high: float) -> Mapping[str, Any]:
+    """The schema of a number between two others."""
+    return {"type": "number", "minimum": low, "maximum": high}
+
+
+def whole_schema(low: int, high: int) -> Mapping[str, Any]:
+    """The schema of a whole number between two others."""
+    return {"type": "integer", "minimum": low, "maximum": high}
+
+
+def text_schema(longest: int) -> Mapping[str, Any]:
+    """The schema of a text that has no more than `longest` characters."""
+    return {"type": "string", "maxLength": longest}
+
+
 def body_of(content: bytes, fields: Sequence[Field]) -> dict[str, Any]:
     """The values of a body: those given, and the defaults of the others.
 

@@ -33,9 +33,9 @@ from workbench.model.messages.cells import ViewChoiceText
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import FoundPart, Message, all_of
 from workbench.model.messages.refusals import Refusal
-from workbench.model.messages.states import ClearanceText, StateText
+from workbench.model.messages.states import ClearanceText, StateText, held_message
 from workbench.model.motion import floor_distance
-from workbench.model.plan import PlanResult
+from workbench.model.plan import Plan, PlanResult
 from workbench.model.robot import HOME
 from workbench.model.tools.slots import arm_with_slot, change_problem
 
@@ -203,7 +203,40 @@ def with_change_plan(state: State, result: PlanResult) -> State:
         cycle=plan.cycle_seconds,
         clearance=ClearanceText.FREE(free=floor_distance(proof.clearance)),
     )
-    return _without_scan(state, result, message)
+    return without_scan(state, result, message)
+
+
+def with_drop_plan(state: State, result: PlanResult) -> State:
+    """The state after a drop back was planned: with a plan the scan is void."""
+    plan, proof = result.plan, result.proof
+    if plan is None or proof is None:
+        return replace(state, message=StateText.NO_PLAN(verdict=result.verdict.message))
+    message = StateText.DROP_PLANNED(
+        arm=plan.strategy.arm,
+        held=held_message(plan.arms[0].held),
+        cycle=plan.cycle_seconds,
+        clearance=ClearanceText.FREE(free=floor_distance(proof.clearance)),
+    )
+    return without_scan(state, result, message)
+
+
+def with_hand_used(state: State, plan: Plan) -> State:
+    """The state after a hand has stirred the parts, or has dropped one back among them.
+
+    None lies where a scan has shown it.
+    """
+    chosen = state.cell.bin.name
+    after = replace(
+        state,
+        phase=Phase.DONE,
+        empty_bins=tuple(name for name in state.empty_bins if name != chosen),
+        views_without=(),
+        message=StateText.DROPPED_BACK(arm=plan.strategy.arm),
+    )
+    if plan.is_drop_plan:
+        return after
+    avoided = tuple(mark for mark in state.avoided if mark.bin != chosen)
+    return replace(after, stirs=state.stirs + 1, avoided=avoided, message=StateText.STIRRED())
 
 
 def with_new_tool(before: State, after: State, ended: SendingEnd) -> Changed:
@@ -253,10 +286,10 @@ def with_view_plan(state: State, result: PlanResult) -> State:
     elif state.views_without:
         nothing = ViewChoiceText.NOTHING_FROM(views=state.views_without)
         message = all_of((nothing, message)) or message
-    return _without_scan(state, result, message)
+    return without_scan(state, result, message)
 
 
-def _without_scan(state: State, result: PlanResult, message: Message) -> State:
+def without_scan(state: State, result: PlanResult, message: Message) -> State:
     """The state with a plan that no scan is for."""
     plan, proof = result.plan, result.proof
     assert plan is not None and proof is not None

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from workbench.app.core.cell.kits import lacks_message, with_kit_part, without_kit_part
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.empty_hand import with_hand_used
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.picks import Avoided, Outcome, SendingEnd
 from workbench.app.core.state import (
@@ -153,8 +154,8 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
     if ended.fault:
         message = StateText.FAULT_WHILE_SENDING(fault=ended.fault)
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
-    if state.plan is not None and state.plan.is_stir_plan:
-        return with_stirred(state)
+    if state.plan is not None and (state.plan.is_stir_plan or state.plan.is_drop_plan):
+        return with_hand_used(state, state.plan)
     expected = sum(len(plan.picks) for plan in plans_begun(state) if not _goes_on(plan))
     failed = [
         StateText.ARM_FAILED(arm=part.arm, why=part.why)
@@ -164,20 +165,6 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
     finished = _finished_message(state, placed, expected)
     message = all_of((finished, *failed, lacks_message(state)))
     return stop_after_failures(replace(state, phase=Phase.DONE, message=message))
-
-
-def with_stirred(state: State) -> State:
-    """The state after a hand has stirred the parts: none lies where a scan has shown it."""
-    chosen = state.cell.bin.name
-    return replace(
-        state,
-        phase=Phase.DONE,
-        stirs=state.stirs + 1,
-        avoided=tuple(mark for mark in state.avoided if mark.bin != chosen),
-        empty_bins=tuple(name for name in state.empty_bins if name != chosen),
-        views_without=(),
-        message=StateText.STIRRED(),
-    )
 
 
 def _finished_message(state: State, placed: int, expected: int) -> Message:

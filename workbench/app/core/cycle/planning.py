@@ -67,7 +67,7 @@ class MakePlan(Command):
     @classmethod
     def obstacle(cls, state: State) -> Message | None:
         plan = state.plan
-        is_without = plan is not None and (plan.is_view_plan or plan.is_tool_plan)
+        is_without = plan is not None and not plan.picks and not plan.is_stir_plan
         return Refusal.NO_PARTS() if is_without else None
 
     def check(self, state: State, asked: Asked) -> None:

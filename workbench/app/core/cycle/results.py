@@ -25,6 +25,7 @@ from workbench.app.core.cycle.empty_hand import (
     plan_path,
     plan_stir,
     with_change_plan,
+    with_drop_plan,
     with_stir_plan,
     with_view_plan,
 )
@@ -98,6 +99,8 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             return with_view_plan(state, result)
         case ("stir", PlanResult()):
             return with_stir_plan(state, result)
+        case ("drop", PlanResult()):
+            return with_drop_plan(state, result)
         case ("change", PlanResult()):
             return with_change_plan(state, result)
         case _:

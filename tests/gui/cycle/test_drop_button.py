@@ -1,0 +1,94 @@
+"""The button that drops back what a hand holds, its facts, and its preview."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.app.core.picks import Outcome, SentFor
+from workbench.app.core.state import Phase
+from workbench.app.empty_hand.drop_back import plan_drop_back
+from workbench.app.runtime.live import Live
+from workbench.cli.picking.results import plan_words
+from workbench.formats.cells.reading import read_cell
+from workbench.gui.cycle.approval_views import _clear_of
+from workbench.gui.cycle.approval_views import _plan as plan_facts
+from workbench.gui.cycle.empty_hand import DropButton
+from workbench.gui.cycle.plan_views import plan_line
+from workbench.gui.shared.look import View
+from workbench.gui.shared.playback import in_hands, moments, timeline
+from workbench.model.cell import Cell
+from workbench.model.plan import Plan, PlanResult
+from workbench.model.release import PickResult
+from workbench.model.tools.held_body import HeldAmount, held_radius
+from workbench.proof.claims.drop_back import fall_height
+
+
+@pytest.fixture(scope="module")
+def cell() -> Cell:
+    return read_cell("yumi")
+
+
+@pytest.fixture(scope="module")
+def result(cell: Cell) -> PlanResult:
+    return plan_drop_back(cell, "right", cell.arm("right").home, HeldAmount.ONE)
+
+
+def shown(visitor, state, joints=None) -> View:
+    live = replace(Live(), joints=joints or {})
+    return View(state, live, visitor.look.now, (), 0.0)
+
+
+def sent_plan(result: PlanResult) -> Plan:
+    """A plan that takes a part, as far as buttons read it."""
+    plan = result.plan
+    return replace(plan, arms=(replace(plan.arms[0], detection=0, held=""),))
+
+
+def at_home(cell: Cell) -> dict[str, float]:
+    return cell.joint_values({arm.name: arm.home for arm in cell.arms})
+
+
+def test_it_is_there_after_a_fault_and_plans_for_what_a_person_states(bench, visitor, result):
+    button, cell = DropButton(visitor), bench.state.cell
+    button.show(shown(visitor, bench.state))
+    assert not button.button.visible
+    sent = SentFor((sent_plan(result),))
+    state = replace(bench.state, phase=Phase.IDLE, unscanned=sent)
+    assert button.show(shown(visitor, state, at_home(cell)))
+    assert button.button.visible and not button.button.disabled
+    assert button.command().held == "unknown"
+    button._held.value = "two parts"
+    assert button.command().held == "two"
+    assert not button.show(shown(visitor, state))
+    assert button.button.disabled
+
+
+def test_a_part_that_was_lost_offers_it_and_is_not_the_next_step(bench, visitor, result):
+    button, cell = DropButton(visitor), bench.state.cell
+    lost = Outcome(0, is_picked=False, by="ada", result=PickResult.DROPPED)
+    state = replace(bench.state, unscanned=SentFor((sent_plan(result),), (lost,)), phase=Phase.IDLE)
+    assert not button.show(shown(visitor, state, at_home(cell)))
+    assert button.button.visible
+
+
+def test_facts_and_line_state_what_is_held_and_from_how_high_it_falls(bench, cell, result):
+    state = replace(bench.state, plan=result.plan, proof=result.proof)
+    assert "drops back what it holds (one part)" in plan_line(state)
+    (_, fact) = plan_facts(cell, result.plan)[-1]
+    high = fall_height(cell, HeldAmount.ONE) * 1000
+    assert str(fact) == (
+        f"drops back what it holds (one part) from {high:.1f} mm at most, then opens the hand"
+    )
+    assert f"a ball of {held_radius(cell, HeldAmount.ONE) * 1000:.1f} mm around the hand" in str(
+        _clear_of(state, result.plan)
+    )
+    assert "drops back what it holds (one)" in plan_words(result.plan, 0.0)
+
+
+def test_the_preview_shows_the_arm_and_no_part_in_its_hand(cell, result):
+    runs = timeline(result.plan)
+    for run in runs:
+        middle = (run.start + run.end) / 2
+        assert in_hands(cell, (result.plan,), runs, middle) == {}
+        assert np.isfinite(moments(cell, runs, middle)["right"].q).all()

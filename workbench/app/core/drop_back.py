@@ -1,0 +1,120 @@
+"""What a hand holds that it should not: when an arm may drop it back, and how that is planned."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.standing import shift_of
+from workbench.app.core.state import Phase, State, sent_for
+from workbench.app.core.tasks import begin_task
+from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
+from workbench.model.cell import Arm, Cell
+from workbench.model.errors import CommandRefused
+from workbench.model.messages.commands import CommandText
+from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
+from workbench.model.messages.states import StateText
+from workbench.model.plan import Plan
+from workbench.model.release import PickResult
+from workbench.model.tools.held_body import HeldAmount, drop_problem
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanDropBack(Command):
+    """Plan how an arm drops back what its hand may hold, from where it stands.
+
+    `held`: `one` part near one of its grasps, `two`, or `unknown`.  `arm`: its name; empty: the one
+    that is not at home, else the one that the last plan moved.
+    """
+
+    right: ClassVar[Right] = Right(CommandText.PLAN_DROP_BACK, SAFE, plans=True)
+
+    held: str = str(HeldAmount.UNKNOWN)
+    arm: str = ""
+    seed: int = 0
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
+        check_text("arm", self.arm)
+        check_text("held", self.held)
+        if self.held not in set(HeldAmount):
+            value = f"{self.held!r:.60}"
+            raise CommandRefused(Refusal.DROP_AMOUNT(known=list(HeldAmount), value=value))
+        refuse(drop_problem(state.cell) or self._start_problem(state, asked.joints))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        arm = self._arm_in(state, entry.joints)
+        arguments = {
+            "arm": arm.name,
+            "q": np.array([entry.joints[name] for name in arm.joints]),
+            "held": self.held,
+            "placed": state.placed,
+            "seed": self.seed,
+        }
+        return begin_task(state, entry, "drop", arguments, StateText.PLANNING())
+
+    def _arm_in(self, state: State, joints: Mapping[str, float]) -> Arm:
+        """The arm that is meant."""
+        cell = state.cell
+        if self.arm:
+            return cell.arm(self.arm)
+        away = [arm for arm in cell.arms if not _is_home(cell, arm, joints)]
+        moved = [cell.arm(arm.arm) for plan in last_sent(state) for arm in plan.arms]
+        return (*away, *moved, *cell.arms)[0]
+
+    def _start_problem(self, state: State, joints: Mapping[str, float]) -> Message | None:
+        """Why the arm cannot begin from where it stands; None when it can."""
+        cell = state.cell
+        if self.arm not in ("", *(arm.name for arm in cell.arms)):
+            return Refusal.DROP_NO_ARM(arm=f"{self.arm!r:.60}")
+        for arm in cell.arms:
+            if not all(math.isfinite(joints.get(name, math.nan)) for name in arm.joints):
+                return Refusal.DROP_NO_JOINTS(arm=arm.name)
+        drops = self._arm_in(state, joints)
+        for arm in cell.arms:
+            if arm is not drops and not _is_home(cell, arm, joints):
+                return Refusal.DROP_OTHER_ARM(arm=arm.name)
+        return None
+
+
+def _is_home(cell: Cell, arm: Arm, joints: Mapping[str, float]) -> bool:
+    off = shift_of(cell, arm, arm.home, joints)
+    return off.shift <= off.allowed
+
+
+def last_sent(state: State) -> tuple[Plan, ...]:
+    """The plans that were sent last, the last one first; none where nothing was sent."""
+    sent = sent_for(state)
+    return () if sent is None else sent.plans[::-1]
+
+
+def may_hold(state: State) -> bool:
+    """Whether a hand may hold something that it should not, by what was sent last.
+
+    So it is after a fault, and where a part was not picked alone, until it was dropped back or a
+    scan came.
+    """
+    return is_drop_next(state) or _has_ended(state, *(set(PickResult) - {PickResult.PICKED}))
+
+
+def is_drop_next(state: State) -> bool:
+    """Whether a drop back is what comes next: after a fault, and where a second part came."""
+    sent = sent_for(state)
+    if sent is None or not sent.plans or state.phase is not Phase.IDLE:
+        return _has_ended(state, PickResult.DOUBLE)
+    # A fault that was acknowledged leaves what was sent behind, and no word of its parts.
+    picks = [arm for plan in sent.plans for arm in plan.picks]
+    return len(sent.outcomes) < len(picks) or _has_ended(state, PickResult.DOUBLE)
+
+
+def _has_ended(state: State, *results: PickResult) -> bool:
+    """Whether a part that was sent for last has ended so, and nothing has followed."""
+    sent = sent_for(state)
+    if sent is None or state.phase not in (Phase.IDLE, Phase.DONE):
+        return False
+    has_dropped = state.plan is not None and state.plan.is_drop_plan
+    return not has_dropped and any(outcome.became in results for outcome in sent.outcomes)

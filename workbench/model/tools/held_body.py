@@ -1,0 +1,232 @@
+"""The body that stands for what a hand holds where nobody knows how it is held, or what it is.
+
+It is a ball about the TCP, of the kind that is largest in it.  `ONE`: a part that is held near one
+of its grasps, within `GRIP_ROOM`, in any orientation.  `TWO`: another part touches that one.
+`UNKNOWN`: two parts that are held anywhere.  The first one touches the pads of the fingers, or the
+cup, within `GRIP_ROOM` of the TCP.  Fingers may be anywhere in their stroke: boxes hold them at
+every opening.
+"""
+
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Cell, Finger
+from workbench.model.geometry import Bools, Box, Floats, Mesh, Shape, Solid, Sphere
+from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
+from workbench.model.part import Part
+
+GRIP_ROOM = 0.01
+"""[m] From the TCP to where a part touches the hand, or from a grasp to how it is held."""
+
+ON_TOP = 0.003
+"""[m] Between two boxes of which one stands on the other: no part reaches in there."""
+
+UPRIGHT = 1.0 - 1e-9
+"""The cosine of what leads up."""
+
+HELD_BODY = "held_body"
+"""The name of the ball, and the beginning of those of the boxes around fingers."""
+
+
+class HeldAmount(enum.StrEnum):
+    """What a person states of the hand."""
+
+    ONE = "one"
+    TWO = "two"
+    UNKNOWN = "unknown"
+
+    @property
+    def parts(self) -> int:
+        """How many parts that is; 0 where nobody knows."""
+        return {HeldAmount.ONE: 1, HeldAmount.TWO: 2}.get(self, 0)
+
+
+def held_radius(cell: Cell, held: HeldAmount) -> float:
+    """The radius [m] of the ball about the TCP that holds what the hand may hold."""
+    longest = max((2.0 * _ball(part) for part in cell.parts), default=0.0)
+    if held is HeldAmount.UNKNOWN:
+        return GRIP_ROOM + 2 * longest
+    near = max((_around_grasps(part) for part in cell.parts), default=0.0)
+    return GRIP_ROOM + near + (longest if held is HeldAmount.TWO else 0.0)
+
+
+def with_held(cell: Cell, arm_name: str, held: HeldAmount) -> Cell:
+    """The cell in which the tool of an arm is as large as all that its hand may hold.
+
+    It is as heavy as with a second part; the first one counts by the leg.
+    """
+    arm = cell.arm(arm_name)
+    ball = Solid(HELD_BODY, Sphere(held_radius(cell, held)), arm.tool.T_flange_tcp)
+    around = (_swept(finger, arm.tool.stroke[1]) for finger in arm.tool.fingers)
+    second = 0.0 if held is HeldAmount.ONE else max((part.mass for part in cell.parts), default=0.0)
+    mass = None if arm.tool.mass is None else arm.tool.mass + second
+    tool = replace(arm.tool, body=(*arm.tool.body, ball, *around), mass=mass)
+    arms = (replace(a, tool=tool) if a.name == arm_name else a for a in cell.arms)
+    return replace(cell, arms=tuple(arms))
+
+
+def held_labels(cell: Cell) -> frozenset[str]:
+    """What people call the bodies that `with_held` has added, by arm and name."""
+    return frozenset(
+        f"{arm.name} {solid.name}"
+        for arm in cell.arms
+        for solid in arm.tool.body
+        if solid.name.startswith(HELD_BODY)
+    )
+
+
+def held_reach(cell: Cell) -> float:
+    """How far [m] from the TCP any of these bodies reaches, in a cell that `with_held` has made."""
+    labels = held_labels(cell)
+    found = [0.0]
+    for arm in cell.arms:
+        T_tcp_flange = arm.tool.T_flange_tcp.inverse()
+        for solid in arm.tool.body:
+            if f"{arm.name} {solid.name}" in labels:
+                T = T_tcp_flange * solid.T_owner_shape
+                found.append(Solid(solid.name, solid.shape, T).reach)
+    return max(found)
+
+
+@dataclass(frozen=True, slots=True)
+class _Upright:
+    """A box of which one axis leads up: its outline seen from above, and its heights [m].
+
+    `middle` (2,) [m] and `axes` (2, 2) without a unit are seen from above, `half` (2,) [m] along
+    the axes.
+    """
+
+    middle: Floats
+    axes: Floats
+    half: Floats
+    low: float
+    top: float
+
+    def covers(self, points: Floats, room: float) -> bool:
+        """Whether points (n, 2) [m] are inside of the outline, this far [m] from its sides."""
+        away = np.abs((points - self.middle) @ self.axes.T)
+        return bool(np.all(away <= self.half - room))
+
+    @property
+    def corners(self) -> Floats:
+        """Of the outline, (4, 2) [m]."""
+        signs = np.array([(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)])
+        return self.middle + (signs * self.half) @ self.axes
+
+
+def stand_below(
+    shapes: Sequence[tuple[Shape, pin.SE3]], p: Floats, reach: float, T_world_up: pin.SE3
+) -> Bools:
+    """Which still things a body in a hand cannot meet while the hand goes straight up.
+
+    The body is in one piece, near the TCP, and reaches no farther from there than `reach`.  It
+    touches nothing yet.  A box with upright sides is met only by what is under it.  Nothing of the
+    body is under a box that begins no higher than the lowest point of the body, or that stands on
+    all of its base on such a box.  The body is not under a box that covers all of its room from
+    below, either: it would have to go through.
+
+    Args:
+        shapes: the things, with their poses in the world.
+        p: (3,) [m] where the TCP is in the world as the hand begins.
+        reach: [m] how far the body reaches from there.
+        T_world_up: a frame whose z leads up.
+
+    Returns:
+        Whether each cannot be met (n,), no unit.
+    """
+    boxes = [_upright(shape, T_world_up.actInv(T)) for shape, T in shapes]
+    x, y, high = T_world_up.actInv(np.asarray(p))
+    at = np.array([[x, y]])
+    under = (box.top for box in boxes if box and box.top < high and box.covers(at, reach))
+    lowest = max(under, default=high - reach)
+    lowest = max(lowest, high - reach)
+    found = np.array([box is not None and box.low <= lowest + ON_TOP for box in boxes], bool)
+    while True:
+        more = [
+            not known and box is not None and _stands_on_one(box, boxes, found)
+            for box, known in zip(boxes, found.tolist(), strict=True)
+        ]
+        if not any(more):
+            return found
+        found = found | np.array(more)
+
+
+def _stands_on_one(box: _Upright, boxes: Sequence[_Upright | None], among: Bools) -> bool:
+    return any(
+        other is not None
+        and is_among
+        and abs(other.top - box.low) <= ON_TOP
+        and other.covers(box.corners, -ON_TOP)
+        for other, is_among in zip(boxes, among.tolist(), strict=True)
+    )
+
+
+def _upright(shape: Shape, T_up_box: pin.SE3) -> _Upright | None:
+    """A box seen from above; None of another shape, or where it leans."""
+    if not isinstance(shape, Box):
+        return None
+    R, half = T_up_box.rotation, np.asarray(shape.size) / 2
+    up = int(np.abs(R[2]).argmax())
+    if abs(R[2, up]) < UPRIGHT:
+        return None
+    flat = [k for k in range(3) if k != up]
+    middle, height = T_up_box.translation[:2], float(T_up_box.translation[2])
+    low, top = height - float(half[up]), height + float(half[up])
+    return _Upright(middle, R[:2, flat].T, half[flat], low, top)
+
+
+def drop_problem(cell: Cell) -> Message | None:
+    """Why no arm of a cell can drop back what it holds; None when one can."""
+    motion = cell.controller.motion
+    if motion.sends_poses or not motion.keeps_hand:
+        return Refusal.DROP_NO_LINK(link=motion.link)
+    return None if cell.parts else Refusal.DROP_NO_PARTS()
+
+
+def arm_that_holds(cell: Cell, arm_name: str) -> Arm | None:
+    """The arm of that name; without a name the first one; None where there is none."""
+    return next((arm for arm in cell.arms if arm_name in ("", arm.name)), None)
+
+
+def _ball(part: Part) -> float:
+    """The radius [m] of a ball about the middle of a part that holds it."""
+    points = np.asarray(part.mesh.points) - part.mesh.middle
+    return float(np.linalg.norm(points, axis=1).max())
+
+
+def _around_grasps(part: Part) -> float:
+    """How far [m] a part reaches from the TCP that takes it by any of its grasps."""
+    points = np.asarray(part.mesh.points)
+    at = [grasp.T_part_tcp.translation for grasp in part.grasps]
+    reaches = (float(np.linalg.norm(points - p, axis=1).max()) for p in at)
+    return max(reaches, default=2.0 * _ball(part))
+
+
+def _swept(finger: Finger, widest: float) -> Solid:
+    """A box, along the axes of a finger's shape, that holds it from closed to wide open [m]."""
+    solid, T = finger.solid, finger.solid.T_owner_shape
+    low, high = _extent(solid.shape)
+    travel = T.rotation.T @ np.asarray(finger.direction) * (widest / 2)
+    low, high = np.minimum(low, low + travel), np.maximum(high, high + travel)
+    T_owner_box = T * pin.SE3(np.eye(3), (low + high) / 2)
+    return Solid(f"{HELD_BODY}_{solid.name}", Box(high - low), T_owner_box)
+
+
+def _extent(shape: Shape) -> tuple[Floats, Floats]:
+    """The corners (3,) [m] of the box around a shape, in its frame."""
+    if isinstance(shape, Mesh):
+        points = np.asarray(shape.points)
+        return points.min(axis=0), points.max(axis=0)
+    if isinstance(shape, Box):
+        half = np.asarray(shape.size) / 2
+    elif isinstance(shape, Sphere):
+        half = np.full(3, shape.radius)
+    else:
+        along = shape.length / 2 + (shape.radius if shape.kind == "capsule" else 0.0)
+        half = np.array([shape.radius, shape.radius, along])
+    return -half, half
