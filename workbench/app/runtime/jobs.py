@@ -204,9 +204,7 @@ class Jobs:
             self._refuse_waiting(WorkbenchError(JobText.NO_START(error=str(error))))
 
     def _wait_and_listen(self) -> None:
-        sources = [self._bell]
-        if self._worker is not None:
-            sources.append(self._worker.connection)
+        sources = [self._bell] if self._worker is None else [self._bell, self._worker.connection]
         ready = wait(sources, self._patience())
         if self._bell in ready:
             with self._lock:

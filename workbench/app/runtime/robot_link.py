@@ -111,8 +111,7 @@ class LinkRunner:
         # Connections for reports that were wanted, and the one that the report came by.
         self._wanted = self._told = 0
         self._runs: queue.SimpleQueue[tuple[Sending, Approval] | None] = queue.SimpleQueue()
-        # The sending that goes on, and the same where the reports alone say what is done; the
-        # latest one, which may still wait for its turn.
+        # The sending that goes on, the same where reports alone say what is done, and the latest.
         self._active = self._watched = cast(Sending | None, None)
         self._latest: Sending | None = None
         self._used: set[str] = set()
