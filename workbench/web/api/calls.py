@@ -159,13 +159,7 @@ TOOL = (
 SCAN_FIELDS = (
     SEED,
     Field("parts", "in the simulated pile", _whole(0, MOST_PARTS), USUAL_PARTS),
-    Field(
-        "stays",
-        "with the seed and parts of the scan before, the simulated parts that are left stay; "
-        "otherwise all fall anew",
-        {"type": "boolean"},
-        True,
-    ),
+    Field("stays", "the same seed and parts again: what is left stays", {"type": "boolean"}, True),
 )
 
 FIND_FIELDS = (
@@ -331,9 +325,7 @@ CALLS: tuple[Call, ...] = (
         ReportPick,
         (
             Field(
-                "detection",
-                "index of the part in the plan, or the first one",
-                _whole(0, 10_000),
+                "detection", "index of the part in the plan, or the first one", _whole(0, 10_000)
             ),
             Field("is_picked", "whether it was", {"type": "boolean"}),
             Field("why", "what is known about a failure", _text(LONGEST_TEXT), ""),
