@@ -311,8 +311,7 @@ class Proof(FactsRepr):
       stops at every waypoint
     - `clearance` [m], `nearest`: a lower bound over free legs, and where it is
     - `clearances` (steps,) [m]: the same for each arm and leg after each waypoint, for the plot
-    - `apart` (steps,) [m]: a lower bound of the distance between the arms at each waypoint, up to
-      `proof.claims.walk.FAR_SIGHT`
+    - `apart` (steps,) [m]: the same of the arms at each waypoint, up to `claims.walk.FAR_SIGHT`
     - `speeds`: bounds of the speed of points on each leg, in a cell that limits it
     """
 

@@ -321,11 +321,7 @@ CALLS: tuple[Call, ...] = (
         "Say what became of a part of the plan.",
         ReportPick,
         (
-            Field(
-                "detection",
-                "index of the part in the plan, or the first one",
-                whole_schema(0, 10_000),
-            ),
+            Field("detection", "index in the plan, or the first part", whole_schema(0, 10_000)),
             Field("is_picked", "whether it was", FLAG),
             Field("why", "what is known about a failure", text_schema(LONGEST_TEXT), ""),
             Field(
