@@ -1,4 +1,4 @@
-"""The page "A new part ", followed literally."""
+"""The page of a new part, followed literally."""
 
 import os
 import re

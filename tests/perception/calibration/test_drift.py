@@ -174,6 +174,16 @@ def test_of_three_fixtures_the_one_that_disagrees_with_both_others_is_left_out()
     assert drift_of(sightings, PRIOR, 0.9).drifted == ("frame", "table")
 
 
+def test_a_fixture_that_shows_nothing_in_a_direction_decides_nothing_there():
+    held = np.eye(6) * 1e8
+    sightings = [
+        *days(14, lambda day: [2e-3 * (day > 6), 0, 0, 0, 0, 0], thing="jig", information=held),
+        *days(14, lambda day: np.zeros(6), thing="post", information=held, seed=1),
+        *days(14, lambda day: np.zeros(6), seed=2),
+    ]
+    assert drift_of(sightings, PRIOR, 0.9).drifted == ()
+
+
 @pytest.mark.parametrize("count", [0, 1, 3])
 def test_few_days_say_nothing(count):
     sightings = days(count, lambda day: [0, 0, 1e-3 * day, 0, 0, 0])

@@ -69,12 +69,7 @@ def drift_of(sightings: Sequence[ThingSighting], prior: Floats, distance: float)
     """
     drifts = courses(sightings)
     fixed = [course for course in drifts if course.kind == "fixture"]
-    # What was pushed disagrees with most of the others; of two that disagree either may be it.
-    steady = [
-        course
-        for course in fixed
-        if 2 * sum(_disagree(course, other).any() for other in fixed) <= len(fixed) - 1
-    ]
+    steady = [course for course in fixed if _is_steady(course, fixed)]
     has_drifted = any(course.is_significant.any() for course in steady)
     put_down = _recent([sighting for sighting in sightings if sighting.kind == "part"], has_drifted)
     by_parts = estimate_from_parts(put_down) if len(put_down) >= FEWEST_PARTS else None
@@ -148,6 +143,17 @@ def _as_change(found: DriftEstimate, course: DriftHistory) -> DriftHistory:
         deviation=spread + unknown,
         freedom=max(found.count - 2, 1) + unknown,
     )
+
+
+def _is_steady(course: DriftHistory, fixed: Sequence[DriftHistory]) -> bool:
+    """Whether in no direction as many fixtures disagree with one as agree with it, or more.
+
+    What was pushed disagrees with the others; of two that disagree, either may have been pushed.
+    """
+    against = np.array([_disagree(course, other) for other in fixed])
+    known = np.array([np.isfinite(course.change + other.change) for other in fixed])
+    disagree, agree = against.sum(axis=0), (known & ~against).sum(axis=0)
+    return bool(np.all((disagree == 0) | (agree > disagree)))
 
 
 def _disagree(course: DriftHistory, other: DriftHistory) -> Bools:
