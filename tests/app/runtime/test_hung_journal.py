@@ -8,7 +8,7 @@ from noted import Noted, approved
 from waiting import PATIENCE, wait_until
 
 from workbench.app.core.cycle.scanning import TakeScan
-from workbench.app.core.cycle.sending import SendPlan, Sent, Stop
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent, Stop
 from workbench.app.core.effects import Send, StopSending
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase
@@ -82,6 +82,25 @@ def test_a_stop_that_comes_while_the_sending_is_recorded_stops_it(bench, noted, 
     assert answers[0].stopped_by == "bob"
     kinds = [type(effect) for effect in noted[0].ran]
     assert kinds[kinds.index(Send) :][:2] == [Send, StopSending]
+
+
+def test_the_end_that_a_stop_brings_is_recorded_behind_it(bench, noted, samples, disk, monkeypatch):
+    bench.do(SendPlan(approved(bench, samples)), "ada")
+    run, ends_, answers = noted[0].run, [], []
+
+    def ending(effect):
+        run(effect)
+        if isinstance(effect, StopSending) and not ends_:
+            ends_.append(in_thread(bench.do, LinkEnded("stopped"), "robot link"))
+
+    monkeypatch.setattr(noted[0], "run", ending)
+    with disk.during(bench.do, receipt(bench), "robot link"):
+        thread = in_thread(lambda: answers.append(bench.do(Stop(), "bob", Role.OPERATOR)))
+        wait_until(lambda: ends_)
+    thread.join(PATIENCE)
+    ends_[0].join(PATIENCE)
+    assert answers[0].stopped_by == "bob"
+    assert bench.state.phase is not Phase.SENDING
 
 
 def test_who_may_not_stop_stops_nothing_while_the_disk_hangs(bench, noted, samples, disk):

@@ -57,7 +57,8 @@ def test_a_plc_reads_and_stops_while_the_disk_hangs(site, monkeypatch):
             answer = asyncio.create_task(cell.call_method(f"{space}:Stop"))
             await asyncio.to_thread(wait_until, lambda: stops)
             disk.free()
-            assert (await answer)[0]
+            is_done, says = await answer
+            assert is_done, says
 
     try:
         with disk.during(site.bench.do, receipt, "robot link"):

@@ -115,6 +115,8 @@ class Bench:
         # the start of effects: as long as the disk takes, which may be for ever.  `_news` is held
         # for moments, to read or change the state, the head and the observers.  What has to work
         # while the disk hangs takes `_news` alone, or no lock; nothing waits inside `_news`.
+        # Before both of them, `_stopping` keeps the end that a stop brings behind its record.
+        self._stopping = threading.RLock()
         self._recording = threading.RLock()
         self._news = threading.Condition()
         self._observers: list[ObserverThread] = []
@@ -165,6 +167,9 @@ class Bench:
         """
         if isinstance(command, Stop):
             return self._stop(command, actor, role)
+        if isinstance(command, LinkEnded):
+            with self._stopping:
+                pass
         # How the robot stands counts where a plan is let out, and is on record there.
         joints = self.live.joints if self._asks_for_joints(command) else NOT_REPORTED
         # Looked at before anything is made of its content, which may be anything.
@@ -174,6 +179,7 @@ class Bench:
 
     def _stop(self, command: Stop, actor: str, role: Role) -> State:
         """Stop, then record it: another command may hold the lock, or a disk that hangs."""
+        is_first = self._stopping.acquire(timeout=STOP_WAITS)
         is_held = self._recording.acquire(timeout=STOP_WAITS)
         if not is_held and self._state.phase is not Phase.SENDING:
             # The command on its way to the disk may be the sending that this stop means.
@@ -185,6 +191,8 @@ class Bench:
         finally:
             if is_held:
                 self._recording.release()
+            if is_first:
+                self._stopping.release()
 
     def _carry_out(
         self, command: Command, actor: str, role: Role, joints: Mapping[str, float]
