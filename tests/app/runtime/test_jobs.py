@@ -222,6 +222,9 @@ def test_a_first_worker_that_cannot_be_made_leaves_jobs_to_the_next(cell, listen
     monkeypatch.setattr(multiprocessing.context.SpawnProcess, "start", fail_once)
     jobs = Jobs(cell, listener.ended, listener.progressed, module="tiny_work")
     wait_until(lambda: tries)
+    # The first job ends with the error, if it waits already; the next one has a worker.
+    jobs.start(1, "echo", {})
+    listener.result()
     worker_of(jobs, listener)
     jobs.close()
 

@@ -42,7 +42,7 @@ def test_a_cell_that_could_not_be_written_is_told_whatever_the_reason(bench, cel
     def fail(*arguments):
         raise RuntimeError("what nobody thought of")
 
-    monkeypatch.setattr(effect_runner, "part_folders", fail)
+    monkeypatch.setattr(effect_runner, "read_cell", fail)
     monkeypatch.setattr(bench._effects, "_cell_file", Path("cell.toml"))
     bench.do(ChangeCell(dataclasses.replace(cell, name="other"), "renamed"), "ada")
     bench.do(SaveCell("why"), "ada")
