@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+import pinocchio as pin
 import pytest
 
 from workbench.app.empty_hand.drop_back import plan_drop_back
@@ -10,8 +12,10 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.candidate import Reason
 from workbench.model.errors import InputError
+from workbench.model.geometry import pose_from_rpy
 from workbench.model.tools.held_body import HeldAmount, held_labels, held_radius, with_held
 from workbench.planning.collision.world import World
+from workbench.planning.kinematics.inverse import configurations, starts_of
 from workbench.plugins.robot_link import spoken_to_by
 
 
@@ -20,17 +24,29 @@ def cell():
     return read_cell("yumi")
 
 
-def test_a_file_states_what_the_hand_holds(cell, tmp_path):
-    plan = plan_drop_back(cell, "right", cell.arm("right").home, HeldAmount.ONE).plan
+@pytest.fixture(scope="module")
+def start(cell):
+    """Where the right hand is high over the bin, away from the robot's body."""
+    p = cell.bin.T_world_bin.translation + [0.05, -0.05, 0.35]
+    chain = World(cell, (), ()).chains["right"]
+    T = pin.SE3(pose_from_rpy((0.0, 0.0, 0.0), (np.pi, 0.0, 0.0)).rotation, p)
+    return configurations(chain, T, starts_of(chain, cell.arm("right"), 0)).q[0]
+
+
+def test_a_file_states_what_the_hand_holds(cell, start, tmp_path):
+    plan = plan_drop_back(cell, "right", start, HeldAmount.ONE).plan
     write_plan(tmp_path / "plan.json", plan)
     again, _ = read_plan(tmp_path / "plan.json")
     assert again.arms[0].held == "one" and again.digest == plan.digest
     assert again.is_drop_plan and not again.is_view_plan
 
 
-def test_a_ball_that_meets_something_at_the_start_is_named(cell):
-    verdict = plan_drop_back(cell, "right", cell.arm("right").home, HeldAmount.TWO).verdict
-    assert verdict.reason is Reason.IN_COLLISION and "right held_body" in str(verdict)
+def test_a_ball_that_meets_something_at_the_start_is_named(cell, start):
+    verdict = plan_drop_back(cell, "right", cell.arm("right").home, HeldAmount.ONE).verdict
+    assert verdict.reason is Reason.IN_COLLISION and "body and right held_body" in str(verdict)
+    for held in (HeldAmount.TWO, HeldAmount.UNKNOWN):
+        verdict = plan_drop_back(cell, "right", start, held).verdict
+        assert "the ball of what is held meets arm right" in str(verdict)
 
 
 def test_a_link_that_opens_the_hand_first_is_refused(cell):
@@ -41,7 +57,7 @@ def test_a_link_that_opens_the_hand_first_is_refused(cell):
 
 def test_what_is_less_known_needs_more_room(cell):
     one, two, unknown = (held_radius(cell, held) for held in HeldAmount)
-    assert 0.07 < one < two < unknown
+    assert 0.09 < one < two == unknown
     tool = cell.arm("right").tool
     bare = replace(cell, parts=tuple(replace(part, mass=0.2) for part in cell.parts))
     heavy = with_held(bare, "right", HeldAmount.TWO).arm("right").tool
@@ -63,9 +79,9 @@ def test_boxes_hold_the_fingers_at_every_opening(cell):
             assert (abs(moved) + reach <= box.shape.size / 2 + 1e-9).all()
 
 
-def test_it_is_typed_with_the_axes_that_the_controller_shows(cell, tmp_path, capsys):
+def test_it_is_typed_with_the_axes_that_the_controller_shows(cell, start, tmp_path, capsys):
     arm, out = cell.arm("right"), tmp_path / "plan.json"
-    q = World(cell, (), ()).motion.rounded(arm.home)
+    q = World(cell, (), ()).motion.rounded(start)
     axes = ",".join(f"{value:.2f}" for value in arm.to_axes(q) * 57.29577951308232)
     typed = ["plan", "yumi", "--out", str(out), "--drop-back", "one", "--strategy", "right"]
     assert main([*typed, f"--joints={axes}"]) == 0

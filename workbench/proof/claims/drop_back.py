@@ -17,7 +17,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Scene
-from workbench.model.tools.held_body import HeldAmount, held_radius
+from workbench.model.tools.held_body import HeldAmount, held_radius, tool_problem
 from workbench.proof.claims.stirring import unseen_content
 from workbench.proof.claims.tolerances import OPENING
 
@@ -60,6 +60,8 @@ def drop_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Viola
         yield Violation(ProofText.NOT_ONLY_DROP(), arm.name)
     if arm_plan.held not in set(HeldAmount):
         problem = ProofText.UNKNOWN_AMOUNT(held=f"{arm_plan.held!r:.60}", known=list(HeldAmount))
+        yield Violation(problem, arm.name)
+    if problem := tool_problem(arm.tool):
         yield Violation(problem, arm.name)
     if not cell.controller.motion.keeps_hand:
         yield Violation(ProofText.DROP_LINK(link=cell.controller.link), arm.name)
