@@ -43,13 +43,15 @@ def drop_point(cell: Cell, held: HeldAmount) -> Floats:
     return cell.bin.T_world_bin.act(np.array([0.0, 0.0, high]))
 
 
-def fall_height(cell: Cell, held: HeldAmount) -> float:
+def fall_height(cell: Cell, held: HeldAmount) -> float | None:
     """From how high [m] above the bin's floor a part falls, at most.
 
-    A part reaches from the TCP down, so its lowest point is no higher than the TCP.  Where the cell
-    file states a place, what lies below it is not known.
+    A part reaches from the TCP down, so its lowest point is no higher than the TCP.  None where the
+    place of the cell file is not over the bin: what lies below it is not known.
     """
-    return float(cell.bin.T_world_bin.actInv(drop_point(cell, held))[2]) + DROPPED
+    p_bin = cell.bin.T_world_bin.actInv(drop_point(cell, held))
+    is_over_bin = np.all(np.abs(p_bin[:2]) <= np.asarray(cell.bin.size)[:2] / 2) and p_bin[2] >= 0.0
+    return float(p_bin[2]) + DROPPED if is_over_bin else None
 
 
 def drop_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
