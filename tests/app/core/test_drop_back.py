@@ -139,9 +139,7 @@ def test_the_other_hand_has_to_be_empty_by_what_is_known(cell, samples):
     line.state = replace(line.state, unscanned=SentFor((both,)))
     refusal = refused(line, PlanDropBack(arm="right"))
     assert "arm left may hold a part, too" in refusal and "by hand, then scan" in refusal
-    by_link, by_ada = (
-        Outcome(pick.detection, is_picked=True, by=by) for by in (ROBOT_LINK, "ada")
-    )
+    by_link, by_ada = (Outcome(pick.detection, is_picked=True, by=by) for by in (ROBOT_LINK, "ada"))
     line.state = replace(line.state, unscanned=SentFor((both,), (by_link,)))
     assert "arm left may hold a part" in refused(line, PlanDropBack(arm="right"))
     line.state = replace(line.state, unscanned=SentFor((both,), (by_ada,)))

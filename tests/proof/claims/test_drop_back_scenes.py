@@ -13,9 +13,10 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell, Tcp
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.load import tool_loads
 from workbench.model.plan import Plan
 from workbench.model.scan import Obstacle, Scene
-from workbench.model.tools.held_body import HeldAmount, held_radius, with_held
+from workbench.model.tools.held_body import HeldAmount, held_loads, held_radius, with_held
 from workbench.perception.simulation.piles import pile_of
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
@@ -102,9 +103,9 @@ def test_it_is_compared_with_all_links_but_those_that_the_hand_is_fixed_to(
     assert not any(name.startswith("right ") for name in met)
     world = World(holding, (), ())
     world.enter(LegPhase(frozenset({"right"}), {"right": 0.0}))
-    seen = {
-        name for k in world.pairs.among for name in ball_partner(world._labels(int(k)))
-    }
+    q = world.configuration({})
+    every = [world.nearest(q, np.array([k])).pair for k in world.pairs.among]
+    seen = {name for pair in every for name in ball_partner(pair)}
     assert own <= seen and not any(name.startswith("right ") for name in seen)
 
 
@@ -142,3 +143,26 @@ def test_the_ball_holds_a_part_by_every_grip_that_a_search_finds(cell: Cell) -> 
     assert count > 20
     for first, second in pairwise((HeldAmount.ONE, HeldAmount.TWO)):
         assert held_radius(cell, first) < held_radius(cell, second)
+
+
+def test_the_controller_gets_the_load_of_the_heaviest_part_in_the_hand(cell: Cell) -> None:
+    arm = cell.arm("right")
+    tool = replace(arm.tool, mass=0.3)
+    known = replace(
+        cell, arms=tuple(replace(each, tool=tool) if each is arm else each for each in cell.arms)
+    )
+    plan = plan_drop_back(known, "right", above_bin(known, 0.1), HeldAmount.ONE).plan
+    assert plan is not None and objections(known, plan) == ""
+    (arm_plan,) = plan.arms
+    loads, heaviest = arm_plan.loads, max(part.mass for part in cell.parts)
+    assert loads is not None and loads.part is not None
+    assert loads.carried(True).mass == pytest.approx(0.3 + heaviest)
+    assert loads.carried(False).mass == 0.3
+    assert np.allclose(loads.part.centre, tool.T_flange_tcp.translation)
+    assert [leg.holding for leg in arm_plan.legs] == [True, True, False]
+    twice = held_loads(known, "right", HeldAmount.UNKNOWN)
+    assert twice is not None and twice.part is not None
+    assert twice.part.mass == pytest.approx(2 * heaviest)
+    for wrong in (tool_loads(tool), twice):
+        bent = replace(plan, arms=(replace(arm_plan, loads=wrong),))
+        assert "the load of the part" in objections(known, bent)

@@ -142,9 +142,9 @@ def _arms_that_may_hold(state: State) -> frozenset[str]:
     A gripper that has felt a part says nothing of its place.
     """
     plans = last_sent(state)
-    if state.phase is Phase.DONE and not is_remembered(state):
-        if plans and state.parts_placed >= count_taken(plans[::-1]):
-            return frozenset()
+    has_ended = state.phase is Phase.DONE and not is_remembered(state)
+    if has_ended and plans and state.parts_placed >= count_taken(plans[::-1]):
+        return frozenset()
     lost = (PickResult.FAILED, PickResult.DROPPED)
     return frozenset(
         arm

@@ -16,6 +16,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell, Finger, Tool
 from workbench.model.geometry import Bools, Box, Floats, Mesh, Shape, Solid, Sphere
+from workbench.model.load import Loads, tool_load, uniform_load
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.part import Part
@@ -50,6 +51,27 @@ def held_radius(cell: Cell, held: HeldAmount) -> float:
     """The radius [m] of the ball about the TCP that holds what the hand may hold."""
     longest = max(map(_length, cell.parts), default=0.0)
     return GRIP_ROOM + longest * (1 if held is HeldAmount.ONE else 2)
+
+
+def held_mass(cell: Cell, held: HeldAmount) -> float:
+    """The most [kg] that the hand may hold: the heaviest part, or two of it."""
+    heaviest = max((part.mass for part in cell.parts), default=0.0)
+    return heaviest * (1 if held is HeldAmount.ONE else 2)
+
+
+def held_loads(cell: Cell, arm_name: str, held: HeldAmount) -> Loads | None:
+    """What an arm carries that drops back what its hand may hold.
+
+    It is an even ball about the TCP, half as large as the one that holds a part, and as heavy as
+    the heaviest part, or two of it.
+    Returns None where the mass of the tool is not stated.
+    """
+    tool = cell.arm(arm_name).tool
+    mine = tool_load(tool)
+    if mine is None:
+        return None
+    ball = Solid(HELD_BODY, Sphere(held_radius(cell, HeldAmount.ONE) / 2), tool.T_flange_tcp)
+    return Loads(mine, uniform_load((ball,), held_mass(cell, held)))
 
 
 def with_held(cell: Cell, arm_name: str, held: HeldAmount) -> Cell:

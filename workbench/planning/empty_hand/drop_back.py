@@ -13,7 +13,6 @@ import pinocchio as pin
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, pose_from_rpy
-from workbench.model.load import tool_loads
 from workbench.model.messages.plans import leg_message
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.motion import LegName
@@ -22,6 +21,7 @@ from workbench.model.scan import Obstacle, Scene
 from workbench.model.tools.held_body import (
     HeldAmount,
     ball_label,
+    held_loads,
     held_reach,
     stand_below,
     with_held,
@@ -105,7 +105,7 @@ def route_drop(
         legs.append(leg_of(holding, arm, "lift", lift, closed, None))
     legs.append(leg_of(holding, arm, "carry", found[0], closed, None))
     legs.append(leg_of(empty, empty.arm(task.arm), "home", found[1], wide, None))
-    loads = tool_loads(cell.arm(task.arm).tool)
+    loads = held_loads(cell, task.arm, task.held)
     arm_plan = replace(arm_alone(arm, legs, loads), held=str(task.held))
     return plan_alone(cell, scene, arm_plan, seed=seed, began=began)
 

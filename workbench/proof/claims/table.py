@@ -17,7 +17,8 @@
 | the arm that stirs and the upper one of these, on that leg | is not compared |
 | what a hand may hold and the bin or fixture that it leaves below it, on `lift` | is not compared |
 | what a hand may hold and the tool that holds it | is not compared |
-| what a hand may hold and a link of that arm, whatever the description says | `self_margin` |
+| what a hand may hold and a link of that arm, on `lift` | `near_margin` |
+| the same on other legs, whatever the robot's description says | `margin` |
 | tool or flange, straight at a slot, and the tool or fixture there | as there, less 0.5 mm |
 | part that is assembled, on its last straight motion, and the one it comes onto | `clearance` |
 | everything else | `margin` |
@@ -124,6 +125,10 @@ class PairTable(BodyPairs):
         self._arm_numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
         self.rounds = np.array([is_round(body, tree) for body in bodies])
         self._carrier = np.array([self._arm_numbers.get(b.arm, -1) for b in bodies])
+        # The ball, and the tool that it is fixed to.
+        a, b = self.first, self.second
+        hand = self._tool[a] & self._tool[b] & (self._carrier[a] == self._carrier[b])
+        self._with_hand = hand & (self._ball[a] | self._ball[b])
         self._kind = np.array([b.of_kind for b in bodies])
         self._fixture = np.array([b.fixture for b in bodies])
         carry = {link for arm in cell.arms for link in cell.robot.rigid_with(arm.flange)}
@@ -155,20 +160,19 @@ class PairTable(BodyPairs):
             stirs = self._carrier == self._arm_numbers[now.stirs]
             for moves, box in ((stirs, self._above), (stirs & self._tool, self._content)):
                 counts &= ~((moves[a] & box[b]) | (moves[b] & box[a]))
-        both_tool = self._tool[a] & self._tool[b] & (carrier[a] == carrier[b])
-        rows = np.flatnonzero(counts & ~((self._ball[a] | self._ball[b]) & both_tool))
+        rows = np.flatnonzero(counts & ~self._with_hand)
         a, b = a[rows], b[rows]
         commons = self._tree.commons[joints[a], joints[b]]
 
-        is_held, still = holder >= 0, carrier < 0
+        is_held, in_hand, still = holder >= 0, (holder >= 0) | self._ball, carrier < 0
         own = (carrier[a] == carrier[b]) & (carrier[a] >= 0)
         margins = np.full(len(rows), policy.margin)
-        margins[own & ~is_held[a] & ~is_held[b]] = policy.self_margin
+        margins[own & ~in_hand[a] & ~in_hand[b]] = policy.self_margin
         beds = np.zeros(len(rows), bool)
         if now.near_arm:
             number = self._arm_numbers[now.near_arm]
             works = (self._tool | is_held) & (carrier == number)
-            near = (works[a] & still[b]) | (works[b] & still[a]) | (own & (is_held[a] | is_held[b]))
+            near = (works[a] & still[b]) | (works[b] & still[a]) | (own & (in_hand[a] | in_hand[b]))
             margins[near] = policy.near_margin
             tool, target = self._tool & (carrier == number), self._part == now.target
             if now.target >= 0:
