@@ -8,6 +8,9 @@ from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.digest import digest_of
 from workbench.model.plan import NO_PART, Leg, PlanResult, Step
 
+OVER_BIN = np.deg2rad([-105.69, -49.44, 76.84, 39.27, 56.97, 11.99, 60.0])
+"""[rad] Where the right arm of cell `yumi` has its hand 0.2 m over the bin, pointing down."""
+
 
 def drop_result(samples, cell, held: str = "unknown") -> PlanResult:
     plan = samples.plan(digest_of(()), cell=cell)

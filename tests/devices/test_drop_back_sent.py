@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from arm_scanner_cell import six_axes_cell
+from dropping import OVER_BIN
 from patient import PATIENT, in_threads, send
 from pick_scenes import Program, Sent, elsewhere
 from waiting import lasting
@@ -77,7 +78,7 @@ def test_a_robot_program_keeps_its_hand_closed_until_the_part_is_there() -> None
 
 def test_a_link_that_opens_the_hand_first_gets_no_such_plan() -> None:
     cell = read_cell("yumi")
-    plan, approval = approved(cell, "right", cell.arm("right").home, HeldAmount.ONE)
+    plan, approval = approved(cell, "right", OVER_BIN, HeldAmount.ONE)
     other = replace(cell, controller=controller_by("abb-egm"))
     with pytest.raises(CommandRefused, match="cannot begin a plan with a part in the hand"):
         list(send(plan, approval, other))

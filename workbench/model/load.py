@@ -71,7 +71,8 @@ class Load:
 class Loads:
     """What an arm carries: its `tool`, and the `part` in it, both in the flange frame.
 
-    `part` is None of an arm that takes no part.  `new_tool` is what it changes its tool for.
+    `part` is None of an arm that takes no part; of one that drops back what it holds it stands for
+    that.  `new_tool` is what it changes its tool for.
     """
 
     tool: Load

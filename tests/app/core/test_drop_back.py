@@ -11,13 +11,18 @@ from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
+from workbench.app.core.cycle.standing import moved_away, shift_of
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.drop_back import PlanDropBack, is_drop_next, may_hold
 from workbench.app.core.effects import StartJob
+from workbench.app.core.people import ROBOT_LINK
+from workbench.app.core.picks import Outcome, SentFor
 from workbench.app.core.state import Phase
+from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.plan import PlanResult
 from workbench.model.release import PickResult
+from workbench.model.tools.held_body import HeldAmount, with_held
 
 
 @pytest.fixture
@@ -123,3 +128,55 @@ def test_a_fault_on_the_way_is_a_fault_like_any(cell, samples):
     for command in (WatchPlan, Approve, SendPlan):
         line.do(command(digest))
     assert line.do(LinkEnded("the cable is out")).phase is Phase.FAULT
+
+
+def test_the_other_hand_has_to_be_empty_by_what_is_known(cell, samples):
+    (plan,) = broken_off(cell, samples).state.unscanned.plans
+    pick = plan.picks[0]
+    both = replace(plan, arms=(pick, replace(pick, arm="left")))
+    line = Line(read_cell("yumi"))
+    reports(line, line.state.cell)
+    line.state = replace(line.state, unscanned=SentFor((both,)))
+    refusal = refused(line, PlanDropBack(arm="right"))
+    assert "arm left may hold a part, too" in refusal and "by hand, then scan" in refusal
+    by_link, by_ada = (Outcome(pick.detection, is_picked=True, by=by) for by in (ROBOT_LINK, "ada"))
+    line.state = replace(line.state, unscanned=SentFor((both,), (by_link,)))
+    assert "arm left may hold a part" in refused(line, PlanDropBack(arm="right"))
+    line.state = replace(line.state, unscanned=SentFor((both,), (by_ada,)))
+    assert line.do(PlanDropBack(arm="right")).job is not None
+    line.state = replace(line.state, job=None, unscanned=SentFor((both,)), hands_emptied=("left",))
+    assert line.do(PlanDropBack(arm="right")).job is not None
+
+
+def test_after_a_drop_back_a_plan_without_a_part_does_not_bring_it_back(cell, samples):
+    line = broken_off(cell, samples)
+    line.do(PlanDropBack())
+    digest = line.ended(drop_result(samples, cell)).plan.digest
+    line.joints = {}
+    for command in (WatchPlan, Approve, SendPlan):
+        line.do(command(digest))
+    state = line.do(LinkEnded())
+    assert state.hands_emptied == ("right",) and not may_hold(state)
+    assert not may_hold(replace(state, phase=Phase.IDLE, plan=None, proof=None))
+    send(line, samples)
+    assert line.state.hands_emptied == ()
+
+
+def test_a_lift_begins_nearer_to_its_start_than_other_plans_and_by_what_is_held(cell, samples):
+    plan = drop_result(samples, cell, "one").plan
+    start, arm = plan.arms[0].legs[0].q[0], cell.arm("right")
+    joints = cell.joint_values({arm.name: arm.home for arm in cell.arms})
+    joints |= dict(zip(arm.joints, start, strict=True))
+    policy = replace(cell.policy, margin=0.02, near_margin=0.002)
+    cell = replace(cell, policy=policy)
+    assert moved_away(cell, plan, joints) is None
+    holding = with_held(cell, "right", HeldAmount.ONE)
+    turned = {arm.joints[0]: start[0] + 1.0}
+    lever = shift_of(holding, holding.arm("right"), start, turned).shift
+    assert lever > shift_of(cell, arm, start, turned).shift + 0.01
+    joints[arm.joints[0]] += 0.005 / lever
+    assert "2.0 mm are allowed" in str(moved_away(cell, plan, joints))
+    held = replace(plan.arms[0], legs=plan.arms[0].legs[1:])
+    later = replace(plan, arms=(held,), sequence=plan.sequence[1:])
+    joints[arm.joints[0]] += held.legs[0].q[0][0] - start[0]
+    assert moved_away(cell, later, joints) is None

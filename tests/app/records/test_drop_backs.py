@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from dropping import OVER_BIN
 from idle import Idle
 
 from workbench.app.core.cycle.approval import Approve
@@ -20,18 +21,18 @@ from workbench.model.tools.held_body import HeldAmount
 
 
 class Standing(Idle):
-    """All arms are reported at home."""
+    """The right arm is reported over the bin, the other one at home."""
 
     def __init__(self, cell, do, now):
         super().__init__(cell, do, now)
-        joints = cell.joint_values({arm.name: arm.home for arm in cell.arms})
+        joints = cell.joint_values({"right": OVER_BIN, "left": cell.arm("left").home})
         self.live = replace(self.live, joints=joints)
 
 
 def test_a_session_with_a_drop_back_is_computed_again(tmp_path):
     cell = read_cell("yumi")
     bench = Bench(cell, Journal(tmp_path), effects=Standing)
-    result = plan_drop_back(cell, "right", cell.arm("right").home, HeldAmount.ONE)
+    result = plan_drop_back(cell, "right", OVER_BIN, HeldAmount.ONE)
     state = bench.do(PlanDropBack("one", "right"), "Ada", Role.ENGINEER)
     bench.do(JobEnded(state.job.number, result), WORKER)
     for command in (WatchPlan, Approve, SendPlan):
@@ -43,4 +44,4 @@ def test_a_session_with_a_drop_back_is_computed_again(tmp_path):
     assert again.phase is last.phase is Phase.DONE and again.plan.digest == result.plan.digest
     asked = next(entry for entry, _ in entries if isinstance(entry.command, PlanDropBack))
     arm = cell.arm("right")
-    assert [asked.joints[name] for name in arm.joints] == arm.home.tolist()
+    assert [asked.joints[name] for name in arm.joints] == OVER_BIN.tolist()

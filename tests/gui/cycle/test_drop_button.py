@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from dropping import OVER_BIN
 
 from workbench.app.core.picks import Outcome, SentFor
 from workbench.app.core.state import Phase
@@ -31,7 +32,7 @@ def cell() -> Cell:
 
 @pytest.fixture(scope="module")
 def result(cell: Cell) -> PlanResult:
-    return plan_drop_back(cell, "right", cell.arm("right").home, HeldAmount.ONE)
+    return plan_drop_back(cell, "right", OVER_BIN, HeldAmount.ONE)
 
 
 def shown(visitor, state, joints=None) -> View:
@@ -84,6 +85,14 @@ def test_facts_and_line_state_what_is_held_and_from_how_high_it_falls(bench, cel
         _clear_of(state, result.plan)
     )
     assert "drops back what it holds (one)" in plan_words(result.plan, 0.0)
+
+
+def test_beside_the_bin_the_place_is_stated_and_no_height(cell, result):
+    place = cell.bin.T_world_bin.translation + [0.4, 0.0, 0.2]
+    beside = replace(cell, bin=replace(cell.bin, p_world_drop=tuple(place)))
+    (_, fact) = plan_facts(beside, result.plan)[-1]
+    x, y, z = (f"{1000 * value:.0f}" for value in place)
+    assert str(fact).endswith(f"at {x}, {y}, {z} mm; its fall is not known")
 
 
 def test_the_preview_shows_the_arm_and_no_part_in_its_hand(cell, result):

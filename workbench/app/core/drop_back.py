@@ -1,7 +1,7 @@
 """What a hand holds that it should not: when an arm may drop it back, and how that is planned."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -9,10 +9,13 @@ import numpy as np
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.standing import shift_of
-from workbench.app.core.state import Phase, State, sent_for
+from workbench.app.core.people import ROBOT_LINK
+from workbench.app.core.picks import Outcome
+from workbench.app.core.state import Phase, State, is_remembered, sent_for
 from workbench.app.core.tasks import begin_task
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.row_parts import count_taken, parts_taken
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
@@ -20,7 +23,7 @@ from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan
 from workbench.model.release import PickResult
-from workbench.model.tools.held_body import HeldAmount, drop_problem
+from workbench.model.tools.held_body import HeldAmount, drop_problem, tool_problem
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +81,9 @@ class PlanDropBack(Command):
         for arm in cell.arms:
             if arm is not drops and not _is_home(cell, arm, joints):
                 return Refusal.DROP_OTHER_ARM(arm=arm.name)
-        return None
+            if arm is not drops and arm.name in _arms_that_may_hold(state):
+                return Refusal.DROP_OTHER_HOLDS(arm=arm.name)
+        return tool_problem(drops.tool)
 
 
 def _is_home(cell: Cell, arm: Arm, joints: Mapping[str, float]) -> bool:
@@ -98,23 +103,53 @@ def may_hold(state: State) -> bool:
     So it is after a fault, and where a part was not picked alone, until it was dropped back or a
     scan came.
     """
-    return is_drop_next(state) or _has_ended(state, *(set(PickResult) - {PickResult.PICKED}))
+    has_ended = state.phase in (Phase.IDLE, Phase.DONE)
+    results = (outcome for _, outcome in _parts_sent_for(state) if outcome is not None)
+    is_odd = any(outcome.became is not PickResult.PICKED for outcome in results)
+    return is_drop_next(state) or (has_ended and is_odd)
 
 
 def is_drop_next(state: State) -> bool:
     """Whether a drop back is what comes next: after a fault, and where a second part came."""
-    sent = sent_for(state)
-    if sent is None or not sent.plans or state.phase is not Phase.IDLE:
-        return _has_ended(state, PickResult.DOUBLE)
-    # A fault that was acknowledged leaves what was sent behind, and no word of its parts.
-    picks = [arm for plan in sent.plans for arm in plan.picks]
-    return len(sent.outcomes) < len(picks) or _has_ended(state, PickResult.DOUBLE)
-
-
-def _has_ended(state: State, *results: PickResult) -> bool:
-    """Whether a part that was sent for last has ended so, and nothing has followed."""
-    sent = sent_for(state)
-    if sent is None or state.phase not in (Phase.IDLE, Phase.DONE):
+    if state.phase not in (Phase.IDLE, Phase.DONE):
         return False
-    has_dropped = state.plan is not None and state.plan.is_drop_plan
-    return not has_dropped and any(outcome.became in results for outcome in sent.outcomes)
+    outcomes = [outcome for _, outcome in _parts_sent_for(state)]
+    # A fault that was acknowledged leaves what was sent behind, and no word of its parts.
+    is_open = state.phase is Phase.IDLE and any(outcome is None for outcome in outcomes)
+    return is_open or any(
+        outcome is not None and outcome.became is PickResult.DOUBLE for outcome in outcomes
+    )
+
+
+def _parts_sent_for(state: State) -> Iterator[tuple[str, Outcome | None]]:
+    """The arm of each part that was sent for last, and what became of it, as far as stated.
+
+    Arms that have dropped back what they held since are left out.
+    """
+    sent = sent_for(state)
+    if sent is None or not sent.plans:
+        return
+    outcomes = {outcome.detection: outcome for outcome in sent.outcomes}
+    for plan in sent.plans:
+        for number, arm in zip(parts_taken(sent.plans[0], plan), plan.picks, strict=True):
+            if arm.arm not in state.hands_emptied:
+                yield arm.arm, outcomes.get(number)
+
+
+def _arms_that_may_hold(state: State) -> frozenset[str]:
+    """The arms that have taken a part of which nobody has stated that it left the hand.
+
+    A gripper that has felt a part says nothing of its place.
+    """
+    plans = last_sent(state)
+    has_ended = state.phase is Phase.DONE and not is_remembered(state)
+    if has_ended and plans and state.parts_placed >= count_taken(plans[::-1]):
+        return frozenset()
+    lost = (PickResult.FAILED, PickResult.DROPPED)
+    return frozenset(
+        arm
+        for arm, outcome in _parts_sent_for(state)
+        if outcome is None
+        or outcome.became is PickResult.DOUBLE
+        or (outcome.became not in lost and outcome.by == ROBOT_LINK)
+    )

@@ -12,7 +12,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.work import ProgressText
 from workbench.model.plan import PlanResult
 from workbench.model.scan import Obstacle, Scene
-from workbench.model.tools.held_body import HeldAmount, drop_problem
+from workbench.model.tools.held_body import HeldAmount, drop_problem, tool_problem
 from workbench.planning.empty_hand.drop_back import DropTask, route_drop
 from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.progress import Report, silent
@@ -42,9 +42,10 @@ def plan_drop_back(
         report: progress.
 
     Raises:
-        InputError: the robot link cannot begin such a plan, or the cell has no parts.
+        InputError: the robot link cannot begin such a plan, the cell has no parts, or the tool has
+            several TCPs.
     """
-    if problem := drop_problem(cell):
+    if problem := drop_problem(cell) or tool_problem(cell.arm(arm).tool):
         raise InputError(problem)
     scene = Scene(digest_of(()), (), tuple(placed))
     content, began = unseen_content(cell, scene), working_time()

@@ -39,6 +39,7 @@ from workbench.formats.plans.pose_files import read_poses
 from workbench.model.cell import MOST_PICKS, Arm, Cell, PlanOverrides
 from workbench.model.derived.by_recipe import as_chosen, check_strategy, strategy_of, wanted_parts
 from workbench.model.derived.by_view import by_each_view
+from workbench.model.derived.controller_axes import from_shown
 from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
@@ -100,7 +101,7 @@ def _plan_drop_back(typed: arguments.PlanArguments, amount: str) -> int:
     if typed.protocol is not None:
         cell = spoken_to_by(cell, typed.protocol)
     arm = cell.arm(typed.strategy) if typed.strategy else cell.arms[0]
-    q = arm.home if typed.joints is None else _joints_of(arm, typed.joints)
+    q = arm.home if typed.joints is None else _joints_of(cell, arm, typed.joints)
     with progress("plan") as report:
         make_ready(report, ("planning",))
         ready, began = seconds_since_start(), time.perf_counter()
@@ -110,8 +111,8 @@ def _plan_drop_back(typed: arguments.PlanArguments, amount: str) -> int:
     return _finish(typed, result, ready, planning)
 
 
-def _joints_of(arm: Arm, typed: str) -> Floats:
-    """Where an arm stands (n,) [rad], from axes [deg] as its controller shows them."""
+def _joints_of(cell: Cell, arm: Arm, typed: str) -> Floats:
+    """Where an arm stands (n,) [rad, m], from axes [deg, mm] as its controller shows them."""
     words = typed.split(",")
     try:
         axes = np.array([float(word) for word in words])
@@ -119,7 +120,7 @@ def _joints_of(arm: Arm, typed: str) -> Floats:
         axes = np.empty(0)
     if len(axes) != len(arm.joints) or not np.isfinite(axes).all():
         raise InputError(f"--joints: {len(arm.joints)} numbers with commas are expected")
-    return arm.from_axes(np.deg2rad(axes))
+    return from_shown(cell, arm, axes)
 
 
 def _chosen(typed: arguments.PlanArguments) -> Cell:

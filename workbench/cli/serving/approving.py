@@ -17,7 +17,7 @@ from workbench.model.plan import Plan, Proof, Proven
 from workbench.model.tools.held_body import HeldAmount
 from workbench.plugins.robot_link import states
 from workbench.proof.claims.clearance import linear_clearance
-from workbench.proof.claims.drop_back import fall_height
+from workbench.proof.claims.drop_back import drop_point, fall_height
 
 REPORTS = 2.0
 """[s] A controller that reports its joints does so within."""
@@ -79,8 +79,10 @@ def facts_of(
         facts[f"Arm {plan.strategy.arm}"] = f"{stirs} with {with_what}"
     if plan.is_drop_plan:
         held = HeldAmount(plan.arms[0].held)
-        height = f"from {fall_height(cell, held) * 1000:.0f} mm at most"
-        facts[f"Arm {plan.strategy.arm}"] = f"drops back what it holds ({held}) {height}"
+        height, p = fall_height(cell, held), drop_point(cell, held) * 1000
+        beside = f"at {p[0]:.0f}, {p[1]:.0f}, {p[2]:.0f} mm; how far it falls is not known"
+        where = beside if height is None else f"from {height * 1000:.0f} mm at most"
+        facts[f"Arm {plan.strategy.arm}"] = f"drops back what it holds ({held}) {where}"
         known = "counts as full, since no scan counts"
     if plan.is_tool_plan:
         changes = f"puts down {cell.arm(plan.strategy.arm).tool.name}, takes {plan.arms[0].tool}"

@@ -31,7 +31,7 @@ from workbench.model.plan import Guarantee, Plan
 from workbench.model.release import manner_words
 from workbench.model.tools.held_body import HeldAmount, held_radius
 from workbench.proof.claims.clearance import bounds_message
-from workbench.proof.claims.drop_back import fall_height
+from workbench.proof.claims.drop_back import drop_point, fall_height
 from workbench.words.words import IN_ENGLISH, Words
 
 
@@ -214,10 +214,7 @@ def _plan(cell: Cell, plan: Plan) -> list[Fact]:
         old, new = cell.arm(plan.strategy.arm).tool.name, plan.arms[0].tool
         facts.append((name, ApprovalText.CHANGES_TOOL(old=old, new=new)))
     if plan.is_drop_plan:
-        held = plan.arms[0].held
-        height = fall_height(cell, HeldAmount(held))
-        drops = ApprovalText.DROPS_BACK(held=held_message(held), height=height)
-        facts.append((arm_label(plan.strategy.arm), drops))
+        facts.append((arm_label(plan.strategy.arm), _drops(cell, plan.arms[0].held)))
     for arm in plan.picks:
         kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
         grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=label_grasp(arm.grasp, arm.tcp))
@@ -319,6 +316,16 @@ def _corners(motion: MotionModel, zone: float) -> Message:
             return ApprovalText.ROUNDED(share=zone)
         case _:
             return ApprovalText.STREAMED()
+
+
+def _drops(cell: Cell, held: str) -> Message:
+    """What is dropped back, and from how high; beside the bin only where."""
+    amount, message = HeldAmount(held), held_message(held)
+    height = fall_height(cell, amount)
+    if height is not None:
+        return ApprovalText.DROPS_BACK(held=message, height=height)
+    x, y, z = (f"{1000 * value + 0.0:.0f}" for value in drop_point(cell, amount))
+    return ApprovalText.DROPS_BESIDE_BIN(held=message, x=x, y=y, z=z)
 
 
 def _clear_of(state: State, plan: Plan) -> Message:

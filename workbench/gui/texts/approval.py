@@ -24,6 +24,7 @@ class ApprovalText(Text, subject="page-approval"):
     CHANGES_TOOL = "puts down {old} in its slot and takes {new} from its own"
     STIRS = "stirs what lies in the bin with its hand"
     STIRS_OPEN = "stirs what lies in the bin with its fingers {opening:mm} open"
+    DROPS_BESIDE_BIN = "drops what it holds ({held}) at {x}, {y}, {z} mm; its fall is not known"
     DROPS_BACK = "drops back what it holds ({held}) from {height:mm} at most, then opens the hand"
     TO_HOME = "takes the scanner home"
     TO_VIEW = "takes the scanner to view {view}"

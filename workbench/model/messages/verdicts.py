@@ -95,6 +95,7 @@ class VerdictNote(Text, subject="note"):
     LIFT_ENDS = "after {way:mm0} of {whole:mm0}, lift {lift}"
     AT_END = "at the end of the leg"
     LEG = "leg {leg}"
+    HELD_MEETS_ARM = "the ball of what is held meets arm {arm}: take the part out by hand"
     ARMS_MEET = "the arms meet: {legs:and}"
     ARM_LEG = "{arm} {leg}"
 

@@ -1,10 +1,10 @@
 """The body that stands for what a hand holds where nobody knows how it is held, or what it is.
 
-It is a ball about the TCP, of the kind that is largest in it.  `ONE`: a part that is held near one
-of its grasps, within `GRIP_ROOM`, in any orientation.  `TWO`: another part touches that one.
-`UNKNOWN`: two parts that are held anywhere.  The first one touches the pads of the fingers, or the
-cup, within `GRIP_ROOM` of the TCP.  Fingers may be anywhere in their stroke: boxes hold them at
-every opening.
+It is a ball about the TCP, in which any orientation has room.  A part touches the pads of the
+fingers, or the cup, within `GRIP_ROOM` of the TCP: no point of it is farther from there than its
+length, by whatever grip it was taken.  `ONE`: one part.  `TWO` and `UNKNOWN`: another part touches
+the first one.  Fingers may be anywhere in their stroke: boxes hold them at every opening.  A tool
+with several TCPs is refused: nobody knows which of them holds the part.
 """
 
 import enum
@@ -14,14 +14,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm, Cell, Finger
+from workbench.model.cell import Arm, Cell, Finger, Tool
 from workbench.model.geometry import Bools, Box, Floats, Mesh, Shape, Solid, Sphere
+from workbench.model.load import Loads, tool_load, uniform_load
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.part import Part
 
 GRIP_ROOM = 0.01
-"""[m] From the TCP to where a part touches the hand, or from a grasp to how it is held."""
+"""[m] From the TCP to where a part touches the hand, at most."""
 
 ON_TOP = 0.003
 """[m] Between two boxes of which one stands on the other: no part reaches in there."""
@@ -48,11 +49,29 @@ class HeldAmount(enum.StrEnum):
 
 def held_radius(cell: Cell, held: HeldAmount) -> float:
     """The radius [m] of the ball about the TCP that holds what the hand may hold."""
-    longest = max((2.0 * _ball(part) for part in cell.parts), default=0.0)
-    if held is HeldAmount.UNKNOWN:
-        return GRIP_ROOM + 2 * longest
-    near = max((_around_grasps(part) for part in cell.parts), default=0.0)
-    return GRIP_ROOM + near + (longest if held is HeldAmount.TWO else 0.0)
+    longest = max(map(_length, cell.parts), default=0.0)
+    return GRIP_ROOM + longest * (1 if held is HeldAmount.ONE else 2)
+
+
+def held_mass(cell: Cell, held: HeldAmount) -> float:
+    """The most [kg] that the hand may hold: the heaviest part, or two of it."""
+    heaviest = max((part.mass for part in cell.parts), default=0.0)
+    return heaviest * (1 if held is HeldAmount.ONE else 2)
+
+
+def held_loads(cell: Cell, arm_name: str, held: HeldAmount) -> Loads | None:
+    """What an arm carries that drops back what its hand may hold.
+
+    It is an even ball about the TCP, half as large as the one that holds a part, and as heavy as
+    the heaviest part, or two of it.
+    Returns None where the mass of the tool is not stated.
+    """
+    tool = cell.arm(arm_name).tool
+    mine = tool_load(tool)
+    if mine is None:
+        return None
+    ball = Solid(HELD_BODY, Sphere(held_radius(cell, HeldAmount.ONE) / 2), tool.T_flange_tcp)
+    return Loads(mine, uniform_load((ball,), held_mass(cell, held)))
 
 
 def with_held(cell: Cell, arm_name: str, held: HeldAmount) -> Cell:
@@ -68,6 +87,11 @@ def with_held(cell: Cell, arm_name: str, held: HeldAmount) -> Cell:
     tool = replace(arm.tool, body=(*arm.tool.body, ball, *around), mass=mass)
     arms = (replace(a, tool=tool) if a.name == arm_name else a for a in cell.arms)
     return replace(cell, arms=tuple(arms))
+
+
+def ball_label(arm_name: str) -> str:
+    """What people call the ball in the hand of that arm."""
+    return f"{arm_name} {HELD_BODY}"
 
 
 def held_labels(cell: Cell) -> frozenset[str]:
@@ -122,7 +146,10 @@ class _Upright:
 def stand_below(
     shapes: Sequence[tuple[Shape, pin.SE3]], p: Floats, reach: float, T_world_up: pin.SE3
 ) -> Bools:
-    """Which still things a body in a hand cannot meet while the hand goes straight up.
+    """Which solids of a cell a body in a hand cannot meet while the hand goes straight up.
+
+    They are real: floor, walls and fixtures.  A box that stands for what may lie somewhere, as a
+    scan shows it, is no solid.
 
     The body is in one piece, near the TCP, and reaches no farther from there than `reach`.  It
     touches nothing yet.  A box with upright sides is met only by what is under it.  Nothing of the
@@ -131,7 +158,7 @@ def stand_below(
     below, either: it would have to go through.
 
     Args:
-        shapes: the things, with their poses in the world.
+        shapes: the solids, with their poses in the world.
         p: (3,) [m] where the TCP is in the world as the hand begins.
         reach: [m] how far the body reaches from there.
         T_world_up: a frame whose z leads up.
@@ -188,23 +215,22 @@ def drop_problem(cell: Cell) -> Message | None:
     return None if cell.parts else Refusal.DROP_NO_PARTS()
 
 
+def tool_problem(tool: Tool) -> Message | None:
+    """Why nobody knows where a tool holds a part; None when that is known."""
+    if len(tool.tcps) < 2:
+        return None
+    return Refusal.DROP_SEVERAL_TCPS(tool=tool.name, tcps=[tcp.name for tcp in tool.tcps])
+
+
 def arm_that_holds(cell: Cell, arm_name: str) -> Arm | None:
     """The arm of that name; without a name the first one; None where there is none."""
     return next((arm for arm in cell.arms if arm_name in ("", arm.name)), None)
 
 
-def _ball(part: Part) -> float:
-    """The radius [m] of a ball about the middle of a part that holds it."""
+def _length(part: Part) -> float:
+    """[m] No two points of a part are farther apart."""
     points = np.asarray(part.mesh.points) - part.mesh.middle
-    return float(np.linalg.norm(points, axis=1).max())
-
-
-def _around_grasps(part: Part) -> float:
-    """How far [m] a part reaches from the TCP that takes it by any of its grasps."""
-    points = np.asarray(part.mesh.points)
-    at = [grasp.T_part_tcp.translation for grasp in part.grasps]
-    reaches = (float(np.linalg.norm(points - p, axis=1).max()) for p in at)
-    return max(reaches, default=2.0 * _ball(part))
+    return 2 * float(np.linalg.norm(points, axis=1).max())
 
 
 def _swept(finger: Finger, widest: float) -> Solid:

@@ -25,6 +25,7 @@ from workbench.model.geometry import (
     frozen,
 )
 from workbench.model.scan import Detection
+from workbench.model.tools.held_body import ball_label
 from workbench.planning.collision.bounds import Boxes, box_of
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -64,6 +65,11 @@ def carried_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
 def obstacle_label(number: int) -> str:
     """How people see an obstacle of the scan named, `number` counted from 0."""
     return f"seen-{number + 1}"
+
+
+def is_ball(body: Body) -> bool:
+    """Whether a body is the ball that stands for what a hand holds."""
+    return body.kind == "tool" and body.label == ball_label(body.owner)
 
 
 def part_label(number: int) -> str:
@@ -198,6 +204,9 @@ def _owner_of(body: Body) -> tuple[str, str]:
 
     A fixture or a tool may have the name of a link, and is something else all the same.
     """
+    if is_ball(body):
+        # It may meet the links that a tool never meets.
+        return "held", body.owner
     match body.kind:
         case "tool":
             return body.kind, f"{body.owner}_tool"

@@ -12,7 +12,7 @@ from workbench.model.derived.assembling import insertion_of
 from workbench.model.derived.by_tcp import may_touch
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.model.tools.held_body import held_labels
-from workbench.planning.collision.bodies import Body, obstacle_label, pairs_of
+from workbench.planning.collision.bodies import Body, is_ball, obstacle_label, pairs_of
 from workbench.planning.kinematics.robot import Kinematics
 
 NEARER_BY = 0.0005
@@ -196,8 +196,17 @@ class Pairing:
         )
         carry = {link for arm in cell.arms for link in cell.robot.rigid_with(arm.flange)}
         at_flange = np.array([body.kind == "link" and body.owner in carry for body in bodies])
-        couples = self._tool | at_flange
+        couples, scanner = self._tool | at_flange, cell.scanner.on_arm
+        fixed = couples | np.array(
+            [scanner is not None and b.owner == scanner.label for b in bodies]
+        )
         self._couples = couples[self.first] | couples[self.second]
+        # What the hand may hold is fixed to these, even where a round flange hangs elsewhere.
+        ball = np.array([is_ball(body) for body in bodies])
+        self._balls = ball[self.first] | ball[self.second]
+        self._with_ball = (ball[self.first] & fixed[self.second]) | (
+            ball[self.second] & fixed[self.first]
+        )
         parents = list(kinematics.model.parents)
         self._ancestors = np.zeros((len(parents), len(parents)), bool)
         for j in range(1, len(parents)):
@@ -234,18 +243,18 @@ class Pairing:
         for moved, box in zip((stirs & self._tool, stirs), self._boxes, strict=True):
             counts &= ~((moved[a] & box[b]) | (moved[b] & box[a]))
         own = (carrier[a] == carrier[b]) & (carrier[a] >= 0)
-        # The ball goes around the hand, and the wrist is nearer than it is large.
-        counts &= ~((self._unknown[a] | self._unknown[b]) & own)
+        counts &= ~(self._with_ball & own)
         if phase.below:
             below = np.isin(self._labels, sorted(phase.below))
             counts &= ~((self._unknown[a] & below[b]) | (self._unknown[b] & below[a]))
         margins = np.full(len(a), self._policy.margin)
-        margins[own] = self._policy.self_margin
+        margins[own & ~self._balls] = self._policy.self_margin
         if phase.straight:
             straight = np.isin(carrier, [self._arm[name] for name in phase.straight])
             works = (self._tool | (held >= 0)) & straight
             still = carrier < 0
-            margins[(works[a] & still[b]) | (works[b] & still[a])] = self._policy.near_margin
+            near = (works[a] & still[b]) | (works[b] & still[a]) | (own & self._balls)
+            margins[near] = self._policy.near_margin
             for name, number in phase.targets.items():
                 tool = self._lip & (self._carrier == self._arm[name])
                 target = self._part == number

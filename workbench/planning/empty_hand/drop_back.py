@@ -13,13 +13,20 @@ import pinocchio as pin
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, pose_from_rpy
-from workbench.model.load import tool_loads
 from workbench.model.messages.plans import leg_message
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.motion import LegName
 from workbench.model.plan import Leg, Plan
 from workbench.model.scan import Obstacle, Scene
-from workbench.model.tools.held_body import HeldAmount, held_reach, stand_below, with_held
+from workbench.model.tools.held_body import (
+    HeldAmount,
+    ball_label,
+    held_loads,
+    held_reach,
+    stand_below,
+    with_held,
+)
+from workbench.planning.collision.bodies import obstacle_label
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
@@ -98,7 +105,7 @@ def route_drop(
         legs.append(leg_of(holding, arm, "lift", lift, closed, None))
     legs.append(leg_of(holding, arm, "carry", found[0], closed, None))
     legs.append(leg_of(empty, empty.arm(task.arm), "home", found[1], wide, None))
-    loads = tool_loads(cell.arm(task.arm).tool)
+    loads = held_loads(cell, task.arm, task.held)
     arm_plan = replace(arm_alone(arm, legs, loads), held=str(task.held))
     return plan_alone(cell, scene, arm_plan, seed=seed, began=began)
 
@@ -128,7 +135,7 @@ def _lift(world: World, arm: Arm, q: Floats) -> Floats | Verdict:
         contact, at, _ = met
         refusal = Verdict(Reason.IN_COLLISION, Stage.ROUTE, contact.pair, contact.distance, at)
         break
-    return _with_leg(refusal, "lift")
+    return _with_leg(world, arm, refusal, "lift")
 
 
 def _contact_while_carrying(world: World, arm: Arm, q: Floats) -> Verdict | None:
@@ -149,13 +156,13 @@ def _free(
         _enter(holding, arm)
         carry = free_path(holding, arm, q[None], goal, rng)
         if isinstance(carry, Verdict):
-            refusal = _with_leg(carry, "carry")
+            refusal = _with_leg(holding, arm, carry, "carry")
             continue
         _enter(empty, arm, arm.tool.stroke[1])
         home = free_path(empty, arm, carry[-1:], home_of(empty, arm), rng)
         if not isinstance(home, Verdict):
             return carry, home
-        refusal = _with_leg(replace(home, reason=Reason.NO_RETURN), "home")
+        refusal = _with_leg(empty, arm, replace(home, reason=Reason.NO_RETURN), "home")
     return refusal
 
 
@@ -181,11 +188,19 @@ def _goals(world: World, arm: Arm, q: Floats, point: Floats, seed: int) -> list[
 
 def _labels_below(world: World, p: Floats) -> frozenset[str]:
     """What cannot be met on the way up from a point (3,) [m] of the TCP, by its labels."""
-    still = [body for body in world.surroundings.bodies if body.joint == 0]
-    shapes = [(body.shape, body.T_joint_body) for body in still]
+    bodies, fixtures = world.surroundings.bodies, {each.name for each in world.cell.fixtures}
+    scanned = {obstacle_label(number) for number in range(len(bodies))}
+    solids = [
+        body
+        for body in bodies
+        if (body.kind == "bin" or (body.kind == "fixture" and body.owner in fixtures))
+        and body.label not in scanned
+    ]
+    shapes = [(body.shape, body.T_joint_body) for body in solids]
     below = stand_below(shapes, p, held_reach(world.cell), world.cell.bin.T_world_bin)
-    above = {body.label for body, is_below in zip(still, below, strict=True) if not is_below}
-    return frozenset(body.label for body in still) - above
+    found = {body.label for body, is_below in zip(solids, below, strict=True) if is_below}
+    known = {id(body) for body, is_below in zip(solids, below, strict=True) if is_below}
+    return frozenset(found - {body.label for body in bodies if id(body) not in known})
 
 
 def _enter(
@@ -203,5 +218,10 @@ def _enter(
     world.enter(phase)
 
 
-def _with_leg(verdict: Verdict, leg: LegName) -> Verdict:
+def _with_leg(world: World, arm: Arm, verdict: Verdict, leg: LegName) -> Verdict:
+    """The verdict with its leg; where the ball meets the arm that holds it, with what to do."""
+    links = {world.cell.robot.joint(joint).child for joint in arm.joints}
+    pair = set(verdict.pair or ())
+    if ball_label(arm.name) in pair and pair & links:
+        return replace(verdict, note=VerdictNote.HELD_MEETS_ARM(arm=arm.name))
     return replace(verdict, note=VerdictNote.LEG(leg=leg_message(leg)))

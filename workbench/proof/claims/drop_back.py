@@ -17,7 +17,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Scene
-from workbench.model.tools.held_body import HeldAmount, held_radius
+from workbench.model.tools.held_body import HeldAmount, held_radius, tool_problem
 from workbench.proof.claims.stirring import unseen_content
 from workbench.proof.claims.tolerances import OPENING
 
@@ -43,13 +43,15 @@ def drop_point(cell: Cell, held: HeldAmount) -> Floats:
     return cell.bin.T_world_bin.act(np.array([0.0, 0.0, high]))
 
 
-def fall_height(cell: Cell, held: HeldAmount) -> float:
+def fall_height(cell: Cell, held: HeldAmount) -> float | None:
     """From how high [m] above the bin's floor a part falls, at most.
 
-    A part reaches from the TCP down, so its lowest point is no higher than the TCP.  Where the cell
-    file states a place, what lies below it is not known.
+    A part reaches from the TCP down, so its lowest point is no higher than the TCP.  None where the
+    place of the cell file is not over the bin: what lies below it is not known.
     """
-    return float(cell.bin.T_world_bin.actInv(drop_point(cell, held))[2]) + DROPPED
+    p_bin = cell.bin.T_world_bin.actInv(drop_point(cell, held))
+    is_over_bin = np.all(np.abs(p_bin[:2]) <= np.asarray(cell.bin.size)[:2] / 2) and p_bin[2] >= 0.0
+    return float(p_bin[2]) + DROPPED if is_over_bin else None
 
 
 def drop_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
@@ -60,6 +62,8 @@ def drop_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Viola
         yield Violation(ProofText.NOT_ONLY_DROP(), arm.name)
     if arm_plan.held not in set(HeldAmount):
         problem = ProofText.UNKNOWN_AMOUNT(held=f"{arm_plan.held!r:.60}", known=list(HeldAmount))
+        yield Violation(problem, arm.name)
+    if problem := tool_problem(arm.tool):
         yield Violation(problem, arm.name)
     if not cell.controller.motion.keeps_hand:
         yield Violation(ProofText.DROP_LINK(link=cell.controller.link), arm.name)

@@ -13,6 +13,7 @@ from workbench.model.derived.by_bin import barriers
 from workbench.model.geometry import Box, Cylinder, Floats, Mesh, Shape, Solid
 from workbench.model.part import Part
 from workbench.model.scan import Detection, Obstacle, Scene
+from workbench.model.tools.held_body import ball_label
 from workbench.proof.claims.tolerances import turns_for
 from workbench.proof.engine.bodies import CheckedBody
 from workbench.proof.engine.robot import Tree
@@ -49,7 +50,9 @@ def _tools(cell: Cell, tree: Tree) -> Iterator[CheckedBody]:
         name = f"tool {_tool(arm)}"
         for solid in arm.tool.body:
             label, T = f"{arm.name} {solid.name}", T_joint_flange * solid.T_owner_shape
-            yield CheckedBody("tool", label, name, arm.name, -1, joint, T, solid.shape)
+            # What a hand may hold is no tool: it may meet the links that a tool never meets.
+            of = f"held {arm.name}" if label == ball_label(arm.name) else name
+            yield CheckedBody("tool", label, of, arm.name, -1, joint, T, solid.shape)
         for finger, slide in zip(arm.tool.fingers, tree.fingers[arm.name], strict=True):
             label, T = f"{arm.name} {finger.solid.name}", finger.solid.T_owner_shape
             yield CheckedBody("tool", label, name, arm.name, -1, slide, T, finger.solid.shape, True)
@@ -79,9 +82,10 @@ def still_of(cell: Cell, scene: Scene) -> Iterator[CheckedBody]:
     for fixture in barriers(cell):
         for solid in fixture.solids:
             of_fixture = still(solid.name, fixture.T_world_fixture, solid)
-            yield replace(of_fixture, fixture=fixture.name)
+            is_solid = any(fixture is known for known in cell.fixtures)
+            yield replace(of_fixture, fixture=fixture.name, is_solid=is_solid)
     for solid in cell.bin.solids:
-        yield still(solid.name, cell.bin.T_world_bin, solid)
+        yield replace(still(solid.name, cell.bin.T_world_bin, solid), is_solid=True)
     assembled = assembled_kinds(cell)
     for number, seen in enumerate(scene.obstacles):
         if seen.part in assembled:

@@ -15,8 +15,10 @@
 | hand and the part it has let go of, until it has left it once | as at the start, less 0.5 mm |
 | tool that stirs and the boxes that stand for all parts, on `stir` and `lift` | is not compared |
 | the arm that stirs and the upper one of these, on that leg | is not compared |
-| what a hand may hold and what it leaves below or beside it, on `lift` | is not compared |
-| what a hand may hold and the arm that holds it | is not compared |
+| what a hand may hold and the bin or fixture that it leaves below it, on `lift` | is not compared |
+| what a hand may hold and the tool that holds it | is not compared |
+| what a hand may hold and a link of that arm, on `lift` | `near_margin` |
+| the same on other legs, whatever the robot's description says | `margin` |
 | tool or flange, straight at a slot, and the tool or fixture there | as there, less 0.5 mm |
 | part that is assembled, on its last straight motion, and the one it comes onto | `clearance` |
 | everything else | `margin` |
@@ -34,7 +36,7 @@ import numpy as np
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.assembling import insertion_of
 from workbench.model.geometry import Bools, Floats, Ints
-from workbench.model.tools.held_body import held_labels, held_reach, stand_below
+from workbench.model.tools.held_body import ball_label, held_labels, held_reach, stand_below
 from workbench.proof.engine.bodies import CheckedBody, is_round
 from workbench.proof.engine.pairs import BodyPairs, Pairs
 from workbench.proof.engine.robot import Tree
@@ -115,12 +117,18 @@ class PairTable(BodyPairs):
         self._content = np.array([b.label == CONTENT for b in bodies])
         self._above = np.array([b.label == ABOVE_CONTENT for b in bodies])
         self._unknown = np.isin([b.label for b in bodies], sorted(held_labels(cell)))
+        balls = [ball_label(arm.name) for arm in cell.arms]
+        self._ball = self._tool & np.isin([b.label for b in bodies], balls)
         barred = _barred_labels(cell)
         self._barred = np.array([b.label in barred for b in bodies])
         self._finger = np.array([b.is_finger for b in bodies])
         self._arm_numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
         self.rounds = np.array([is_round(body, tree) for body in bodies])
         self._carrier = np.array([self._arm_numbers.get(b.arm, -1) for b in bodies])
+        # The ball, and the tool that it is fixed to.
+        a, b = self.first, self.second
+        hand = self._tool[a] & self._tool[b] & (self._carrier[a] == self._carrier[b])
+        self._with_hand = hand & (self._ball[a] | self._ball[b])
         self._kind = np.array([b.of_kind for b in bodies])
         self._fixture = np.array([b.fixture for b in bodies])
         carry = {link for arm in cell.arms for link in cell.robot.rigid_with(arm.flange)}
@@ -142,7 +150,8 @@ class PairTable(BodyPairs):
         # What moves a body with its joint; after these, what moves one that is round about that.
         moved = np.vstack([above, self._tree.ancestors[self._tree.before][:, now.moves]])
         against = moved @ (1.0 - above).T > 0.0
-        of = joints + len(above) * self.rounds
+        # What is in the ball turns with the hand, although the ball looks the same.
+        of = joints + len(above) * (self.rounds & ~self._ball)
         counts = against[of[a], joints[b]] | against[of[b], joints[a]]
         if now.fingers_move_at >= 0:
             part = self._part == now.fingers_move_at
@@ -151,22 +160,19 @@ class PairTable(BodyPairs):
             stirs = self._carrier == self._arm_numbers[now.stirs]
             for moves, box in ((stirs, self._above), (stirs & self._tool, self._content)):
                 counts &= ~((moves[a] & box[b]) | (moves[b] & box[a]))
-        # The ball goes around the hand, and the wrist is nearer than it is large.
-        rows = np.flatnonzero(
-            counts & ~((self._unknown[a] | self._unknown[b]) & (carrier[a] == carrier[b]))
-        )
+        rows = np.flatnonzero(counts & ~self._with_hand)
         a, b = a[rows], b[rows]
         commons = self._tree.commons[joints[a], joints[b]]
 
-        is_held, still = holder >= 0, carrier < 0
+        is_held, in_hand, still = holder >= 0, (holder >= 0) | self._ball, carrier < 0
         own = (carrier[a] == carrier[b]) & (carrier[a] >= 0)
         margins = np.full(len(rows), policy.margin)
-        margins[own & ~is_held[a] & ~is_held[b]] = policy.self_margin
+        margins[own & ~in_hand[a] & ~in_hand[b]] = policy.self_margin
         beds = np.zeros(len(rows), bool)
         if now.near_arm:
             number = self._arm_numbers[now.near_arm]
             works = (self._tool | is_held) & (carrier == number)
-            near = (works[a] & still[b]) | (works[b] & still[a]) | (own & (is_held[a] | is_held[b]))
+            near = (works[a] & still[b]) | (works[b] & still[a]) | (own & (in_hand[a] | in_hand[b]))
             margins[near] = policy.near_margin
             tool, target = self._tool & (carrier == number), self._part == now.target
             if now.target >= 0:
@@ -195,14 +201,14 @@ class PairTable(BodyPairs):
         return (in_slot[a] & couples[b]) | (in_slot[b] & couples[a])
 
     def never_met(self, pairs: Pairs, p: Floats) -> Bools:
-        """Which pairs (p,) are of what a hand may hold and of what it cannot meet on its way up.
+        """Which pairs (p,) are of what a hand may hold and a solid it cannot meet on its way up.
 
         The TCP begins at a point (3,) [m] in the world; see `held_body.stand_below`.
         """
-        still = [body.kind == "still" for body in self._bodies]
-        shapes = [(b.shape, b.T_joint_body) for b in self._bodies if b.kind == "still"]
+        solid = [body.is_solid for body in self._bodies]
+        shapes = [(b.shape, b.T_joint_body) for b in self._bodies if b.is_solid]
         below = np.zeros(len(self._bodies), bool)
-        below[still] = stand_below(shapes, p, held_reach(self._cell), self._cell.bin.T_world_bin)
+        below[solid] = stand_below(shapes, p, held_reach(self._cell), self._cell.bin.T_world_bin)
         a, b = self.first[pairs.rows], self.second[pairs.rows]
         return (self._unknown[a] & below[b]) | (self._unknown[b] & below[a])
 

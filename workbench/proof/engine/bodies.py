@@ -21,7 +21,8 @@ class CheckedBody:
     for what is none.  `joint` and `T_joint_body`: where it hangs as long as no hand holds it.
     `is_rolled`: it is the room of a piece of a part at every turn, since its roll is not known.
     `of_kind`: the kind of part that it is a piece of, found or assembled; empty for what is none.
-    `fixture`: the one that it is of, or the tool in its slot.
+    `fixture`: the one that it is of, or the tool in its slot.  `is_solid`: it is of the bin or of a
+    fixture, and stands for nothing else.
     """
 
     kind: Kind
@@ -36,6 +37,7 @@ class CheckedBody:
     is_rolled: bool = False
     of_kind: str = ""
     fixture: str = ""
+    is_solid: bool = False
 
 
 def is_round(body: CheckedBody, tree: Tree) -> bool:

@@ -234,7 +234,7 @@ def with_hand_used(state: State, plan: Plan) -> State:
         message=StateText.DROPPED_BACK(arm=plan.strategy.arm),
     )
     if plan.is_drop_plan:
-        return after
+        return replace(after, hands_emptied=(*state.hands_emptied, plan.strategy.arm))
     avoided = tuple(mark for mark in state.avoided if mark.bin != chosen)
     return replace(after, stirs=state.stirs + 1, avoided=avoided, message=StateText.STIRRED())
 

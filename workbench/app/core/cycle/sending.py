@@ -141,6 +141,7 @@ def _send(state: State, entry: Entry) -> Decision:
         let_until=state.approval.until,
         # What a plan takes is no longer where a scan has shown it.
         earlier=state.earlier if state.plan.is_view_plan else None,
+        hands_emptied=() if state.plan.picks else state.hands_emptied,
     )
     return begun, (Send(state.plan, state.approval, following(state)),)
 

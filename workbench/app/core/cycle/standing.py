@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.plan import Plan
+from workbench.model.tools.held_body import HeldAmount, with_held
 
 LEAST_MOVED = 0.001
 """[m] The robot may be this far from where a plan starts even with no margin: it rounds."""
@@ -58,7 +60,8 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message |
     """By how much the robot does not stand where the plan starts; None when it does.
 
     No point of an arm may be further from there than the policy's margin, which the plan's start
-    keeps to everything: on its way there the robot touches nothing.  Joints that are not reported
+    keeps to everything: on its way there the robot touches nothing.  Where a plan begins by lifting
+    what a hand may hold it is `near_margin`, and what is held counts.  Joints that are not reported
     are not compared.  A robot that gets poses alone moves by its own program, from anywhere.
 
     Args:
@@ -68,6 +71,8 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message |
     """
     if cell.controller.motion.sends_poses:
         return None
+    if plan.is_drop_plan:
+        cell = _as_it_starts(cell, plan)
     for arm in cell.arms:
         off = shift_of(cell, arm, start_of(cell, plan, arm.name), joints)
         if not math.isfinite(off.worst):
@@ -77,6 +82,19 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message |
                 axis=off.axis, arm=arm.name, off=off.worst, away=off.shift, allowed=off.allowed
             )
     return None
+
+
+@lru_cache(maxsize=4)
+def _as_it_starts(cell: Cell, plan: Plan) -> Cell:
+    """The cell with what a hand may hold and the distances that hold where a plan starts."""
+    arm_plan = plan.arms[0]
+    if arm_plan.held not in set(HeldAmount):
+        return cell
+    holding = with_held(cell, arm_plan.arm, HeldAmount(arm_plan.held))
+    if all(leg.name != "lift" for leg in arm_plan.legs):
+        return holding
+    near = min(cell.policy.near_margin, cell.policy.margin)
+    return replace(holding, policy=replace(cell.policy, margin=near))
 
 
 class Shift(NamedTuple):

@@ -16,6 +16,7 @@ from workbench.model.load import Load, is_closed
 from workbench.model.messages.proofs import ProofText
 from workbench.model.part import Part
 from workbench.model.plan import ArmPlan, Plan, Violation
+from workbench.model.tools.held_body import HeldAmount, held_radius
 from workbench.proof.claims.tolerances import STATED
 
 LOAD_TOLERANCE = 1e-6
@@ -29,7 +30,10 @@ THIN = 1e-6
 
 
 def load_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
-    """Whether a plan states the loads of an arm's tool and part, or rightly none."""
+    """Whether a plan states the loads of an arm's tool and part, or rightly none.
+
+    What a hand drops back counts as the heaviest part, or two of it, about the TCP.
+    """
     if plan.is_tool_plan:
         yield from _change_violations(cell, arm_plan)
         return
@@ -43,7 +47,10 @@ def load_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Viola
         return
     if not _is_alike(loads.tool, _of_tool(tool), 0.0):
         yield Violation(ProofText.TOOL_LOAD(), arm_plan.arm)
-    if not arm_plan.takes_part:
+    if plan.is_drop_plan:
+        meant = _of_held(cell, tool, HeldAmount(arm_plan.held))
+        is_meant = loads.part is not None and _is_alike(loads.part, meant, 0.0)
+    elif not arm_plan.takes_part:
         is_meant = loads.part is None
     else:
         part = cell.part(plan.detections[arm_plan.detection].part)
@@ -51,6 +58,14 @@ def load_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Viola
         is_meant = loads.part is not None and _is_alike(loads.part, meant, STATED)
     if not is_meant or loads.new_tool is not None:
         yield Violation(ProofText.PART_LOAD(), arm_plan.arm)
+
+
+def _of_held(cell: Cell, tool: Tool, held: HeldAmount) -> pin.Inertia:
+    """The heaviest part, or two, as a ball about the TCP of half the reach of one."""
+    count = 1 if held is HeldAmount.ONE else 2
+    mass = count * max(part.mass for part in cell.parts)
+    radius = held_radius(cell, HeldAmount.ONE) / 2
+    return tool.T_flange_tcp.act(pin.Inertia.FromSphere(mass, radius))
 
 
 def _change_violations(cell: Cell, arm_plan: ArmPlan) -> Iterator[Violation]:
