@@ -44,7 +44,7 @@ def plan(cell: Cell) -> Plan:
 
 
 def above_bin(cell: Cell, high: float, beside: tuple[float, float] = (0.0, 0.0)) -> Floats:
-    """Where the right arm (n,) [rad] stands with its hand down, `high` [m] above the bin's floor."""
+    """Where the right arm (n,) [rad] has its hand `high` [m] above the bin's floor."""
     chain = World(cell, (), ()).chains["right"]
     p = cell.bin.T_world_bin.act(np.array([*beside, high]))
     return configurations(chain, pin.SE3(DOWN, p), starts_of(chain, cell.arm("right"), 0)).q[0]

@@ -62,7 +62,7 @@ def held_mass(cell: Cell, held: HeldAmount) -> float:
 def held_loads(cell: Cell, arm_name: str, held: HeldAmount) -> Loads | None:
     """What an arm carries that drops back what its hand may hold.
 
-    It is an even ball about the TCP, half as large as the one that holds a part, and as heavy as
+    It is an even ball about the TCP, half as large as the one that holds a part.  It is as heavy as
     the heaviest part, or two of it.
     Returns None where the mass of the tool is not stated.
     """
