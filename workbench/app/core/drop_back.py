@@ -30,7 +30,7 @@ from workbench.model.tools.held_body import HeldAmount, drop_problem, tool_probl
 class PlanDropBack(Command):
     """Plan how an arm drops back what its hand may hold, from where it stands.
 
-    `held`: `one` part near one of its grasps, `two`, or `unknown`.  `arm`: its name; empty: the one
+    `held`: `one` part, `two`, or `unknown`.  `arm`: its name; empty: the one
     that is not at home, else the one that the last plan moved.
     """
 

@@ -173,10 +173,10 @@ class PlanArguments:
     """Plan how an arm changes its tool for the one of that name; --strategy names the arm where
     several have a slot for it."""
     drop_back: Maybe[Literal["one", "two", "unknown"]] = None
-    """Plan how an arm drops back what it holds: one part near a grasp, two parts, or unknown;
+    """Plan how an arm drops back what it holds: one part, two parts, or unknown;
     --strategy names the arm, --joints where it stands."""
     joints: Maybe[str] = None
-    """Axes of the arm [deg] as its controller shows them, with commas between; home when not
+    """Axes of the arm [deg, mm] as its controller shows them, with commas between; home when not
     given."""
     scan: Maybe[Path] = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is kept clear of."""

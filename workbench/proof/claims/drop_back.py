@@ -2,10 +2,10 @@
 
 Nobody knows what the hand holds, so a ball about the TCP stands for it (`tools.held_body`), and
 no scan shows the bin: it counts as full (`stirring.unseen_content`).  On the leg `lift` the hand
-goes straight up, and the rules of a hand that stirs hold for the content of the bin.  The ball may
-begin deeper in the bin's floor and walls than its margin allows: it comes no nearer to them.  From
-then on all of it keeps its margin to everything but the arm that holds it.  At the end of `carry`
-the hand points down, where the cell has it open; from there the part falls.
+goes straight up, and the rules of a hand that stirs hold for the content of the bin.  Bin and
+fixtures below it cannot be met and are not compared (`held_body.stand_below`).  All else is, links
+of the arm that holds it included: on `carry` the ball keeps its margin to everything but the hand.
+At the end of `carry` the hand points down, where the cell has it open; from there the part falls.
 """
 
 from collections.abc import Iterator
