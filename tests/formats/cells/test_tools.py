@@ -55,6 +55,12 @@ def path(tmp_path):
     return path
 
 
+def test_no_solid_is_called_as_what_a_hand_drops_back(path):
+    path.write_text(path.read_text().replace('name = "tube"', 'name = "held_body_2"'))
+    with pytest.raises(FileError, match="no solid may be called held_body"):
+        read_cell(path)
+
+
 def test_an_arm_knows_all_its_tools_and_the_one_it_carries(path):
     right, left = read_cell(path).arms
     assert [tool.name for tool in right.tools] == ["smart_gripper", "cup"]

@@ -15,6 +15,7 @@ from workbench.model.cell import Cell, Finger, Tool
 from workbench.model.geometry import Floats, Mesh, Solid
 from workbench.model.load import load_problem
 from workbench.model.robot import Tcp, ToolSlot
+from workbench.model.tools.held_body import HELD_BODY
 from workbench.plugins.found import load, names
 from workbench.plugins.tool import made_tool
 
@@ -67,6 +68,8 @@ def read_tool(table: Table) -> Tool:
         press=table.number("press_mm", 1.5, low=0, high=50) / 1000,
         force=table.number("force_n", 0.0, low=0.0, high=MOST_FORCE) or None,
     )
+    if any(solid.name.startswith(HELD_BODY) for solid in tool.body):
+        raise table.error("body", f"no solid may be called {HELD_BODY}, as what a hand drops back")
     if not tool.body and not tool.fingers:
         raise table.error("body", "is missing; [[tool.body]] or [[tool.finger]] is expected")
     if first.name:
