@@ -9,12 +9,13 @@ from samples import Samples
 
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
-from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.scanning import TakeScan, left_pile
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.cycle.standing import moved_away, shift_of
 from workbench.app.core.cycle.watching import WatchPlan
-from workbench.app.core.drop_back import PlanDropBack, is_drop_next, may_hold
+from workbench.app.core.drop_back import PlanDropBack
 from workbench.app.core.effects import StartJob
+from workbench.app.core.hands import is_drop_next, may_hold
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.picks import Outcome, SentFor
 from workbench.app.core.state import Phase
@@ -86,6 +87,46 @@ def test_it_is_approved_and_sent_like_every_plan_and_then_a_scan_is_needed(cell,
     assert state.parts_placed == 0 and not may_hold(state)
     line.do(TakeScan())
     assert line.ended(samples.scan(1)).phase is Phase.SCANNED
+
+
+def test_a_scan_after_a_stop_does_not_make_the_hand_empty(cell, samples):
+    line = broken_off(cell, samples)
+    assert "hands are empty, or drop back" in str(line.state.message)
+    line.do(TakeScan())
+    state = line.ended(samples.scan(1))
+    assert "right" in state.hands_open
+    assert may_hold(state) and not is_drop_next(state)
+    line.do(PlanDropBack())
+    line.ended(drop_result(samples, cell))
+    line.joints = {}
+    for command in (WatchPlan, Approve, SendPlan):
+        line.do(command(line.state.plan.digest))
+    state = line.do(LinkEnded())
+    assert "right" not in state.hands_open
+
+
+def test_parts_that_are_sent_for_anew_end_the_question_what_the_hands_hold(cell, samples):
+    line = broken_off(cell, samples)
+    assert line.state.hands_open == ()
+    reports(line, cell, 0.0)
+    line.joints = {}
+    line.do(TakeScan())
+    line.ended(samples.scan(1))
+    assert line.state.hands_open
+    send(line, samples)
+    assert line.state.hands_open == ()
+
+
+def test_what_was_dropped_back_lies_in_the_simulated_bin(cell, samples):
+    line = broken_off(cell, samples)
+    line.do(PlanDropBack())
+    line.ended(drop_result(samples, cell))
+    line.joints = {}
+    for command in (WatchPlan, Approve, SendPlan):
+        line.do(command(line.state.plan.digest))
+    state = line.do(LinkEnded())
+    pile = left_pile(state, TakeScan(stays=True))
+    assert pile is None or pile.lifted == ()
 
 
 def test_a_double_pick_makes_it_the_next_step_and_a_dropped_part_only_offers_it(cell, samples):

@@ -1,7 +1,7 @@
-"""What a hand holds that it should not: when an arm may drop it back, and how that is planned."""
+"""How it is planned that an arm drops back what its hand holds and should not."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -9,20 +9,16 @@ import numpy as np
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.standing import shift_of
-from workbench.app.core.people import ROBOT_LINK
-from workbench.app.core.picks import Outcome
-from workbench.app.core.state import Phase, State, is_remembered, sent_for
+from workbench.app.core.hands import arms_that_may_hold, last_sent
+from workbench.app.core.state import State
 from workbench.app.core.tasks import begin_task
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
 from workbench.model.cell import Arm, Cell
-from workbench.model.derived.row_parts import count_taken, parts_taken
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
-from workbench.model.plan import Plan
-from workbench.model.release import PickResult
 from workbench.model.tools.held_body import HeldAmount, drop_problem, tool_problem
 
 
@@ -81,7 +77,7 @@ class PlanDropBack(Command):
         for arm in cell.arms:
             if arm is not drops and not _is_home(cell, arm, joints):
                 return Refusal.DROP_OTHER_ARM(arm=arm.name)
-            if arm is not drops and arm.name in _arms_that_may_hold(state):
+            if arm is not drops and arm.name in arms_that_may_hold(state):
                 return Refusal.DROP_OTHER_HOLDS(arm=arm.name)
         return tool_problem(drops.tool)
 
@@ -89,67 +85,3 @@ class PlanDropBack(Command):
 def _is_home(cell: Cell, arm: Arm, joints: Mapping[str, float]) -> bool:
     off = shift_of(cell, arm, arm.home, joints)
     return off.shift <= off.allowed
-
-
-def last_sent(state: State) -> tuple[Plan, ...]:
-    """The plans that were sent last, the last one first; none where nothing was sent."""
-    sent = sent_for(state)
-    return () if sent is None else sent.plans[::-1]
-
-
-def may_hold(state: State) -> bool:
-    """Whether a hand may hold something that it should not, by what was sent last.
-
-    So it is after a fault, and where a part was not picked alone, until it was dropped back or a
-    scan came.
-    """
-    has_ended = state.phase in (Phase.IDLE, Phase.DONE)
-    results = (outcome for _, outcome in _parts_sent_for(state) if outcome is not None)
-    is_odd = any(outcome.became is not PickResult.PICKED for outcome in results)
-    return is_drop_next(state) or (has_ended and is_odd)
-
-
-def is_drop_next(state: State) -> bool:
-    """Whether a drop back is what comes next: after a fault, and where a second part came."""
-    if state.phase not in (Phase.IDLE, Phase.DONE):
-        return False
-    outcomes = [outcome for _, outcome in _parts_sent_for(state)]
-    # A fault that was acknowledged leaves what was sent behind, and no word of its parts.
-    is_open = state.phase is Phase.IDLE and any(outcome is None for outcome in outcomes)
-    return is_open or any(
-        outcome is not None and outcome.became is PickResult.DOUBLE for outcome in outcomes
-    )
-
-
-def _parts_sent_for(state: State) -> Iterator[tuple[str, Outcome | None]]:
-    """The arm of each part that was sent for last, and what became of it, as far as stated.
-
-    Arms that have dropped back what they held since are left out.
-    """
-    sent = sent_for(state)
-    if sent is None or not sent.plans:
-        return
-    outcomes = {outcome.detection: outcome for outcome in sent.outcomes}
-    for plan in sent.plans:
-        for number, arm in zip(parts_taken(sent.plans[0], plan), plan.picks, strict=True):
-            if arm.arm not in state.hands_emptied:
-                yield arm.arm, outcomes.get(number)
-
-
-def _arms_that_may_hold(state: State) -> frozenset[str]:
-    """The arms that have taken a part of which nobody has stated that it left the hand.
-
-    A gripper that has felt a part says nothing of its place.
-    """
-    plans = last_sent(state)
-    has_ended = state.phase is Phase.DONE and not is_remembered(state)
-    if has_ended and plans and state.parts_placed >= count_taken(plans[::-1]):
-        return frozenset()
-    lost = (PickResult.FAILED, PickResult.DROPPED)
-    return frozenset(
-        arm
-        for arm, outcome in _parts_sent_for(state)
-        if outcome is None
-        or outcome.became is PickResult.DOUBLE
-        or (outcome.became not in lost and outcome.by == ROBOT_LINK)
-    )

@@ -140,6 +140,7 @@ class SessionState:
     `tools_unknown`: arms whose change of tool has ended with a fault, until a person has stated
     what they carry.
     `hands_emptied`: arms that have dropped back what they held since parts were sent for.
+    `hands_open`: arms that may hold a part since a stop, though a scan has come since.
     `pile` is what the last simulated scan has shown of parts that stay where they are.
     `ball_scans` and `touches` check the calibrated scanner, up to `check_limits` [m] of spacings
     and touches; 0: as the calibration predicts.
@@ -172,6 +173,7 @@ class SessionState:
     pile: SimulatedPile | None = field(default_factory=lambda: None, metadata=LATER)
     tools_unknown: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     hands_emptied: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
+    hands_open: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     ball_scans: tuple[BallScan, ...] = field(default_factory=tuple, metadata=LATER)
     touches: tuple[Touch, ...] = field(default_factory=tuple, metadata=LATER)
     check_limits: tuple[float, float] = field(

@@ -147,6 +147,8 @@ def _facts(state: State, joints: Mapping[str, float], at: float) -> tuple[list[F
     deviations: list[Fact] = [
         ("Controller", moves(address=LabelText.ADDRESS(host=host, port=port)))
     ]
+    if state.hands_open and plan.picks:
+        deviations.append(("In the hand", ApprovalText.HANDS_OPEN(arms=state.hands_open)))
     usual: list[Fact] = _plans(state) if len(row) > 1 else _plan(cell, plan)
 
     def add(name: Message | str, fact: Message | str | None, *, is_usual: bool) -> None:

@@ -8,7 +8,8 @@ import viser
 from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.empty_hand import PlanStir, PlanToolChange, PlanView, may_stir
-from workbench.app.core.drop_back import PlanDropBack, is_drop_next, may_hold
+from workbench.app.core.drop_back import PlanDropBack
+from workbench.app.core.hands import is_drop_next, may_hold
 from workbench.app.core.state import State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor, whole

@@ -26,6 +26,7 @@ class ApprovalText(Text, subject="page-approval"):
     STIRS_OPEN = "stirs what lies in the bin with its fingers {opening:mm} open"
     DROPS_BESIDE_BIN = "drops what it holds ({held}) at {x}, {y}, {z} mm; its fall is not known"
     DROPS_BACK = "drops back what it holds ({held}) from {height:mm} at most, then opens the hand"
+    HANDS_OPEN = "since a stop {arms:and} may hold a part: see that no hand holds any"
     TO_HOME = "takes the scanner home"
     TO_VIEW = "takes the scanner to view {view}"
     PROVEN_PLAN = "{cycle:s}, {clearance}, plan {plan}, proof {proof}"

@@ -102,6 +102,9 @@ class StateText(Text, subject="state"):
     ARM_FAILED = "{arm} arm failed: {why}"
     FAULT_WHILE_SENDING = "fault while sending: {fault}"
     FAULT_ACKNOWLEDGED = "fault acknowledged by {person}; take a new scan"
+    FAULT_HANDS = (
+        "fault acknowledged by {person}; see that the hands are empty, or drop back; then scan"
+    )
     PICKED = "{person} reports: {part} was picked"
     PICK_FAILED = "{person} reports: {part} failed"
     PART_DROPPED = "{person} reports: {part} was dropped; it may lie anywhere, so look and scan"

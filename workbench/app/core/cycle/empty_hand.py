@@ -234,7 +234,9 @@ def with_hand_used(state: State, plan: Plan) -> State:
         message=StateText.DROPPED_BACK(arm=plan.strategy.arm),
     )
     if plan.is_drop_plan:
-        return replace(after, hands_emptied=(*state.hands_emptied, plan.strategy.arm))
+        emptied = plan.strategy.arm
+        is_open = tuple(arm for arm in state.hands_open if arm != emptied)
+        return replace(after, hands_emptied=(*state.hands_emptied, emptied), hands_open=is_open)
     avoided = tuple(mark for mark in state.avoided if mark.bin != chosen)
     return replace(after, stirs=state.stirs + 1, avoided=avoided, message=StateText.STIRRED())
 

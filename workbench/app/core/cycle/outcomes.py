@@ -8,6 +8,7 @@ from typing import ClassVar
 from workbench.app.core.cell.kits import lacks_message, with_kit_part, without_kit_part
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.empty_hand import with_hand_used
+from workbench.app.core.hands import arms_that_may_hold
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.picks import Avoided, Outcome, SendingEnd
 from workbench.app.core.state import (
@@ -121,7 +122,8 @@ class AcknowledgeFault(Command):
 
     def apply(self, state: State, entry: Entry) -> Decision:
         # Nobody knows how the bin looks after a fault: only a new scan can tell.
-        message = StateText.FAULT_ACKNOWLEDGED(person=entry.actor)
+        text = StateText.FAULT_HANDS if arms_that_may_hold(state) else StateText.FAULT_ACKNOWLEDGED
+        message = text(person=entry.actor)
         after = replace(before_a_scan(state), failures=0, earlier=None)
         return begin_stage(after, ScanState, message=message), ()
 

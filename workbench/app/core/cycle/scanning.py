@@ -15,6 +15,7 @@ from workbench.app.core.cycle.arm_scanner import (
     view_problem,
 )
 from workbench.app.core.cycle.outcomes import parts_sent_for
+from workbench.app.core.hands import arms_that_may_hold
 from workbench.app.core.people import Role
 from workbench.app.core.picks import Avoided, SimulatedPile
 from workbench.app.core.state import (
@@ -230,18 +231,20 @@ def _fresh_pile(state: State, command: TakeScan) -> SimulatedPile:
 def _lifted_since(state: State) -> tuple[pin.SE3, ...]:
     """Where the parts lay that were taken since the last scan, `T_world_part`.
 
-    Those of which nobody has said anything are taken to be picked, except after a fault.
+    Those of which nobody has said anything are taken to be picked, except after a fault.  What an
+    arm has dropped back lies in the bin.
     """
     sent = sent_for(state)
     has_moved = state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
     if sent is None or not (has_moved or is_remembered(state)):
         return ()
     became = {outcome.detection: outcome.became for outcome in sent.outcomes}
-    usual = PickResult.PICKED if state.phase in (Phase.SENDING, Phase.DONE) else PickResult.FAILED
+    has_ended = state.phase in (Phase.SENDING, Phase.DONE) and not state.hands_emptied
+    usual = PickResult.PICKED if has_ended else PickResult.FAILED
     return tuple(
         sent.plans[0].detections[number].T_world_part
-        for number in dict.fromkeys(number for number, _ in parts_sent_for(state))
-        if became.get(number, usual) is not PickResult.FAILED
+        for number, arm in dict(parts_sent_for(state)).items()
+        if became.get(number, usual) is not PickResult.FAILED and arm not in state.hands_emptied
     )
 
 
@@ -249,7 +252,13 @@ def with_scan(state: State, scan: Scan, at: float) -> State:
     """The state with a new scan, taken at [s since the epoch]."""
     scanned = StateText.SCANNED(points=f"{len(scan.points):,}")
     return begin_stage(
-        replace(state, avoided=_after_one_more_scan(state, at), unscanned=None, earlier=None),
+        replace(
+            state,
+            avoided=_after_one_more_scan(state, at),
+            unscanned=None,
+            earlier=None,
+            hands_open=tuple(sorted(arms_that_may_hold(state))),
+        ),
         ScanState,
         phase=Phase.SCANNED,
         scan=scan,

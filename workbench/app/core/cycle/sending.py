@@ -142,6 +142,7 @@ def _send(state: State, entry: Entry) -> Decision:
         # What a plan takes is no longer where a scan has shown it.
         earlier=state.earlier if state.plan.is_view_plan else None,
         hands_emptied=() if state.plan.picks else state.hands_emptied,
+        hands_open=() if state.plan.picks else state.hands_open,
     )
     return begun, (Send(state.plan, state.approval, following(state)),)
 
