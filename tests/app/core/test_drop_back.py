@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from dropping import drop_result
-from line import Line, refused, send
+from line import Line, make_plan, refused, send
 from samples import Samples
 
 from workbench.app.core.cycle.approval import Approve
@@ -117,6 +117,30 @@ def test_parts_that_are_sent_for_anew_end_the_question_what_the_hands_hold(cell,
     assert line.state.hands_open == ()
 
 
+def test_a_plan_that_was_never_sent_leaves_no_hand_open(cell, samples):
+    line = Line(cell)
+    make_plan(samples, line)
+    line.do(TakeScan())
+    assert line.ended(samples.scan(1)).hands_open == ()
+
+
+def test_a_double_pick_leaves_the_hand_open_though_all_parts_were_placed(cell, samples):
+    line = Line(cell)
+    send(line, samples)
+    line.do(LinkEnded(parts_placed=1))
+    line.do(ReportPick(0, True, result=PickResult.DOUBLE))
+    line.do(TakeScan())
+    state = line.ended(samples.scan(1))
+    assert state.hands_open == ("right",) and may_hold(state)
+
+
+def test_a_recipe_that_leaves_kinds_out_is_no_cell_to_drop_back_in(cell, samples):
+    line = broken_off(cell, samples)
+    fewer = replace(line.state.cell, parts=())
+    line.state = replace(line.state, cell=fewer, whole=line.state.cell)
+    assert "which the recipe leaves out" in refused(line, PlanDropBack())
+
+
 def test_what_was_dropped_back_lies_in_the_simulated_bin(cell, samples):
     line = broken_off(cell, samples)
     line.do(PlanDropBack())
@@ -179,7 +203,7 @@ def test_the_other_hand_has_to_be_empty_by_what_is_known(cell, samples):
     reports(line, line.state.cell)
     line.state = replace(line.state, unscanned=SentFor((both,)))
     refusal = refused(line, PlanDropBack(arm="right"))
-    assert "arm left may hold a part, too" in refusal and "by hand, then scan" in refusal
+    assert "arm left may hold a part, too" in refusal and "empty both hands by hand" in refusal
     by_link, by_ada = (Outcome(pick.detection, is_picked=True, by=by) for by in (ROBOT_LINK, "ada"))
     line.state = replace(line.state, unscanned=SentFor((both,), (by_link,)))
     assert "arm left may hold a part" in refused(line, PlanDropBack(arm="right"))

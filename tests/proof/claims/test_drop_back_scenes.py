@@ -12,11 +12,17 @@ from workbench.app.picking.judging import search_candidates
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell, Tcp
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.geometry import Box, Floats, pose_from_rpy
 from workbench.model.load import tool_loads
 from workbench.model.plan import Plan
 from workbench.model.scan import Obstacle, Scene
-from workbench.model.tools.held_body import HeldAmount, held_loads, held_radius, with_held
+from workbench.model.tools.held_body import (
+    HeldAmount,
+    held_loads,
+    held_radius,
+    stand_below,
+    with_held,
+)
 from workbench.perception.simulation.piles import pile_of
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
@@ -166,3 +172,30 @@ def test_the_controller_gets_the_load_of_the_heaviest_part_in_the_hand(cell: Cel
     for wrong in (tool_loads(tool), twice):
         bent = replace(plan, arms=(replace(arm_plan, loads=wrong),))
         assert "the load of the part" in objections(known, bent)
+
+
+def test_what_overhangs_step_by_step_or_over_a_slit_is_in_the_way() -> None:
+    up = pin.SE3.Identity()
+    floor = Box(np.array([0.4, 0.4, 0.01])), pin.SE3(np.eye(3), np.array([0.0, 0.0, -0.005]))
+    steps = [
+        (
+            Box(np.array([0.05 + 2 * out, 0.1, 0.006])),
+            pin.SE3(np.eye(3), np.array([0.12, 0.0, 0.003 + 0.006 * number])),
+        )
+        for number, out in enumerate((0.0, 0.0029, 0.0058))
+    ]
+    rail = Box(np.array([0.05, 0.1, 0.02])), pin.SE3(np.eye(3), np.array([-0.12, 0.0, 0.0129]))
+    found = stand_below([floor, *steps, rail], np.array([0.0, 0.0, 0.03]), 0.1, up)
+    assert found.tolist() == [True, True, False, False, False]
+
+
+def test_a_hand_that_leaves_the_straight_way_up_by_millimetres_is_refused(
+    cell: Cell, plan: Plan
+) -> None:
+    arm = plan.arms[0]
+    lift = arm.leg("lift")
+    some = [0, 2, len(lift.q) - 1]
+    bent = replace(lift, q=lift.q[some], t=3 * lift.t[some])
+    assert "not straight" not in objections(cell, plan)
+    legs = tuple(bent if leg.name == "lift" else leg for leg in arm.legs)
+    assert "is not straight" in objections(cell, replace(plan, arms=(replace(arm, legs=legs),)))

@@ -43,7 +43,8 @@ class PlanDropBack(Command):
         if self.held not in set(HeldAmount):
             value = f"{self.held!r:.60}"
             raise CommandRefused(Refusal.DROP_AMOUNT(known=list(HeldAmount), value=value))
-        refuse(drop_problem(state.cell) or self._start_problem(state, asked.joints))
+        refuse(_kinds_problem(state) or drop_problem(state.cell))
+        refuse(self._start_problem(state, asked.joints))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         arm = self._arm_in(state, entry.joints)
@@ -80,6 +81,13 @@ class PlanDropBack(Command):
             if arm is not drops and arm.name in arms_that_may_hold(state):
                 return Refusal.DROP_OTHER_HOLDS(arm=arm.name)
         return tool_problem(drops.tool)
+
+
+def _kinds_problem(state: State) -> Message | None:
+    """Where the recipe leaves kinds out, the hand may hold one that is larger than its parts."""
+    kinds = {part.name for part in (state.whole or state.cell).parts}
+    left = sorted(kinds - {part.name for part in state.cell.parts})
+    return Refusal.DROP_RECIPE(parts=left) if left else None
 
 
 def _is_home(cell: Cell, arm: Arm, joints: Mapping[str, float]) -> bool:

@@ -48,7 +48,8 @@ def _parts_sent_for(state: State) -> Iterator[tuple[str, Outcome | None]]:
     Arms that have dropped back what they held since are left out.
     """
     sent = sent_for(state)
-    if sent is None or not sent.plans:
+    has_moved = state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
+    if sent is None or not sent.plans or not (has_moved or is_remembered(state)):
         return
     outcomes = {outcome.detection: outcome for outcome in sent.outcomes}
     for plan in sent.plans:
@@ -62,15 +63,22 @@ def arms_that_may_hold(state: State) -> frozenset[str]:
 
     A gripper that has felt a part says nothing of its place.
     """
+    doubles = frozenset(
+        arm
+        for arm, outcome in _parts_sent_for(state)
+        if outcome is not None and outcome.became is PickResult.DOUBLE
+    )
     plans = last_sent(state)
     has_ended = state.phase is Phase.DONE and not is_remembered(state)
     if has_ended and plans and state.parts_placed >= count_taken(plans[::-1]):
-        return frozenset(state.hands_open)
+        return doubles | frozenset(state.hands_open)
     lost = (PickResult.FAILED, PickResult.DROPPED)
-    return frozenset(state.hands_open) | frozenset(
-        arm
-        for arm, outcome in _parts_sent_for(state)
-        if outcome is None
-        or outcome.became is PickResult.DOUBLE
-        or (outcome.became not in lost and outcome.by == ROBOT_LINK)
+    return (
+        doubles
+        | frozenset(state.hands_open)
+        | frozenset(
+            arm
+            for arm, outcome in _parts_sent_for(state)
+            if outcome is None or (outcome.became not in lost and outcome.by == ROBOT_LINK)
+        )
     )

@@ -24,8 +24,11 @@ from workbench.model.part import Part
 GRIP_ROOM = 0.01
 """[m] From the TCP to where a part touches the hand, at most."""
 
-ON_TOP = 0.003
+ON_TOP = 0.0001
 """[m] Between two boxes of which one stands on the other: no part reaches in there."""
+
+ROUNDING = 1e-6
+"""[m] By which one box may seem to stand out over another."""
 
 UPRIGHT = 1.0 - 1e-9
 """The cosine of what leads up."""
@@ -188,7 +191,7 @@ def _stands_on_one(box: _Upright, boxes: Sequence[_Upright | None], among: Bools
         other is not None
         and is_among
         and abs(other.top - box.low) <= ON_TOP
-        and other.covers(box.corners, -ON_TOP)
+        and other.covers(box.corners, -ROUNDING)
         for other, is_among in zip(boxes, among.tolist(), strict=True)
     )
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 from workbench.app.core.cell.bins import with_contents
 from workbench.app.core.cell.views import next_view_message, with_nothing_seen
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.hands import arms_that_may_hold
 from workbench.app.core.people import POSES_FOLDER
 from workbench.app.core.state import PartsState, Phase, ScanState, State, begin_stage, stale_by
 from workbench.app.core.tasks import Begun, begin_task
@@ -161,7 +162,7 @@ def with_outside_detections(state: State, entry: Entry, command: UseDetections) 
     elif state.detections:
         before = (state.detections, *before)
     return begin_stage(
-        replace(state, unscanned=None),
+        replace(state, unscanned=None, hands_open=tuple(sorted(arms_that_may_hold(state)))),
         ScanState if is_picked else PartsState,
         phase=Phase.LOCALIZED,
         remarks=(*(() if is_picked else state.remarks), remark)[-MOST_REMARKS:],

@@ -142,9 +142,14 @@ def _send(state: State, entry: Entry) -> Decision:
         # What a plan takes is no longer where a scan has shown it.
         earlier=state.earlier if state.plan.is_view_plan else None,
         hands_emptied=() if state.plan.picks else state.hands_emptied,
-        hands_open=() if state.plan.picks else state.hands_open,
+        hands_open=tuple(arm for arm in state.hands_open if arm not in _picking(state)),
     )
     return begun, (Send(state.plan, state.approval, following(state)),)
+
+
+def _picking(state: State) -> set[str]:
+    """The arms that open their hands and take a part by the plan that goes out."""
+    return set() if state.plan is None else {arm.arm for arm in state.plan.picks}
 
 
 def with_receipt(state: State, receipt: Receipt) -> State:

@@ -11,8 +11,11 @@ from workbench.model.tools.held_body import HeldAmount, held_radius
 from workbench.proof.claims.drop_back import DROPPED, TIPPED, drop_point
 from workbench.proof.claims.grasps.straight import straight_violations
 from workbench.proof.claims.stages import tcp
-from workbench.proof.claims.tolerances import OFF_LINE
+from workbench.proof.claims.tolerances import HAND_TURN_REACH
 from workbench.proof.engine.robot import Tree
+
+OFF_LIFT = 0.0005
+"""[m] Any point of what the hand holds, beside its way straight up."""
 
 
 def held_violations(cell: Cell, tree: Tree, plan: Plan) -> Iterator[Violation]:
@@ -31,10 +34,12 @@ def _lift_violations(cell: Cell, tree: Tree, arm_plan: ArmPlan, leg: Leg) -> Ite
     arm, q = cell.arm(arm_plan.arm), np.asarray(leg.q)
     begin, end = (tcp(tree, tree.rest, arm, at).translation for at in (q[0], q[-1]))
     gone = cell.bin.T_world_bin.rotation.T @ (end - begin)
-    if not (gone[2] > 0.0 and np.hypot(gone[0], gone[1]) <= OFF_LINE):
+    if not (gone[2] > 0.0 and np.hypot(gone[0], gone[1]) <= OFF_LIFT):
         yield Violation(ProofText.NOT_UP(), arm.name, leg.name)
-    reach = held_radius(cell, HeldAmount(arm_plan.held))
-    yield from straight_violations(tree, arm, leg.name, q, reach=reach)
+    # What cannot be met on the way up is not compared: so the hand may neither lean nor turn.
+    reach = HAND_TURN_REACH / OFF_LIFT * held_radius(cell, HeldAmount(arm_plan.held))
+    may_be_off = OFF_LIFT, OFF_LIFT
+    yield from straight_violations(tree, arm, leg.name, q, reach=reach, may_be_off=may_be_off)
 
 
 def _end_violations(cell: Cell, tree: Tree, arm_plan: ArmPlan, leg: Leg) -> Iterator[Violation]:

@@ -25,11 +25,12 @@ def straight_violations(
     way: Floats | None = None,
     *,
     reach: float,
+    may_be_off: tuple[float, float] = (OFF_LINE, OFF_ARC),
 ) -> Iterator[Violation]:
     """Whether a hand goes straight, and, where `way` (3,) [m] in the world is given, that way.
 
-    At waypoints the TCP stays within `OFF_LINE` of the line, between them within `OFF_ARC`; it
-    backs up by no more than `OFF_LINE`, and turns no more than `largest_turn`.
+    `may_be_off` [m]: how far the TCP may be off the line at waypoints, and between them.  It backs
+    up by no more than the first of them, and turns no more than `largest_turn`.
 
     `reach` [m] is how far its part extends from the TCP: a long part limits how the hand may turn.
 
@@ -53,8 +54,8 @@ def straight_violations(
         # The cosine of a turn is (trace - 1) / 2.
         turns = np.array([T.rotation for T in poses])
         cosines = (np.einsum("ij,kij->k", start.rotation, turns) - 1.0) / 2.0
-        is_off = aside > np.where(is_waypoint[k : k + STRETCH], OFF_LINE, OFF_ARC)
-        is_off |= (most - far > OFF_LINE) | (cosines < np.cos(largest_turn(reach)))
+        is_off = aside > np.where(is_waypoint[k : k + STRETCH], *may_be_off)
+        is_off |= (most - far > may_be_off[0]) | (cosines < np.cos(largest_turn(reach)))
         if is_off.any():
             yield Violation(ProofText.NOT_STRAIGHT(), arm.name, leg, int(at[k + is_off.argmax()]))
             return
