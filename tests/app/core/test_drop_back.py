@@ -57,6 +57,14 @@ def broken_off(cell, samples) -> Line:
     return line
 
 
+def send_drop(line: Line, samples, cell) -> None:
+    """The drop back that was asked for is planned, approved and sent."""
+    digest = line.ended(drop_result(samples, cell)).plan.digest
+    line.joints = {}
+    for command in (WatchPlan, Approve, SendPlan):
+        line.do(command(digest))
+
+
 def test_after_a_fault_it_is_the_next_step_planned_from_where_the_arm_stands(cell, samples):
     line = broken_off(cell, samples)
     assert line.state.phase is Phase.IDLE and is_drop_next(line.state)
@@ -97,10 +105,7 @@ def test_a_scan_after_a_stop_does_not_make_the_hand_empty(cell, samples):
     assert "right" in state.hands_open
     assert may_hold(state) and not is_drop_next(state)
     line.do(PlanDropBack())
-    line.ended(drop_result(samples, cell))
-    line.joints = {}
-    for command in (WatchPlan, Approve, SendPlan):
-        line.do(command(line.state.plan.digest))
+    send_drop(line, samples, cell)
     state = line.do(LinkEnded())
     assert "right" not in state.hands_open
 
@@ -144,10 +149,7 @@ def test_a_recipe_that_leaves_kinds_out_is_no_cell_to_drop_back_in(cell, samples
 def test_what_was_dropped_back_lies_in_the_simulated_bin(cell, samples):
     line = broken_off(cell, samples)
     line.do(PlanDropBack())
-    line.ended(drop_result(samples, cell))
-    line.joints = {}
-    for command in (WatchPlan, Approve, SendPlan):
-        line.do(command(line.state.plan.digest))
+    send_drop(line, samples, cell)
     state = line.do(LinkEnded())
     pile = left_pile(state, TakeScan(stays=True))
     assert pile is None or pile.lifted == ()
@@ -188,10 +190,7 @@ def test_without_a_path_the_state_stays_and_says_why(cell, samples):
 def test_a_fault_on_the_way_is_a_fault_like_any(cell, samples):
     line = broken_off(cell, samples)
     line.do(PlanDropBack())
-    digest = line.ended(drop_result(samples, cell)).plan.digest
-    line.joints = {}
-    for command in (WatchPlan, Approve, SendPlan):
-        line.do(command(digest))
+    send_drop(line, samples, cell)
     assert line.do(LinkEnded("the cable is out")).phase is Phase.FAULT
 
 
@@ -216,10 +215,7 @@ def test_the_other_hand_has_to_be_empty_by_what_is_known(cell, samples):
 def test_after_a_drop_back_a_plan_without_a_part_does_not_bring_it_back(cell, samples):
     line = broken_off(cell, samples)
     line.do(PlanDropBack())
-    digest = line.ended(drop_result(samples, cell)).plan.digest
-    line.joints = {}
-    for command in (WatchPlan, Approve, SendPlan):
-        line.do(command(digest))
+    send_drop(line, samples, cell)
     state = line.do(LinkEnded())
     assert state.hands_emptied == ("right",) and not may_hold(state)
     assert not may_hold(replace(state, phase=Phase.IDLE, plan=None, proof=None))

@@ -8,6 +8,7 @@ from dropping import OVER_BIN
 
 from workbench.app.empty_hand.drop_back import plan_drop_back
 from workbench.cli.main import main
+from workbench.cli.picking import planning
 from workbench.cli.picking.planning import _joints_of
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan, write_plan
@@ -15,7 +16,13 @@ from workbench.model.candidate import Reason
 from workbench.model.derived.controller_axes import shown_axes
 from workbench.model.errors import InputError
 from workbench.model.robot import AxisMapping
-from workbench.model.tools.held_body import HeldAmount, held_labels, held_radius, with_held
+from workbench.model.tools.held_body import (
+    HeldAmount,
+    held_labels,
+    held_radius,
+    recipe_problem,
+    with_held,
+)
 from workbench.planning.collision.world import World
 from workbench.plugins.robot_link import spoken_to_by
 
@@ -80,6 +87,16 @@ def test_it_is_typed_with_the_axes_that_the_controller_shows(cell, tmp_path, cap
     assert "drops back what it holds (one)" in capsys.readouterr().out
     assert read_plan(out)[0].arms[0].held == "one"
     assert main([*typed, "--joints=1,2"]) == 2
+
+
+def test_a_recipe_that_leaves_kinds_out_is_refused(monkeypatch, tmp_path, capsys):
+    whole = read_cell("yumi")
+    fewer = replace(whole, parts=())
+    assert recipe_problem(whole, whole) is None
+    monkeypatch.setattr(planning, "_chosen", lambda typed: fewer)
+    out = str(tmp_path / "plan.json")
+    assert main(["plan", "yumi", "--out", out, "--drop-back", "one"]) == 2
+    assert "which the recipe leaves out" in capsys.readouterr().err
 
 
 def test_typed_axes_are_read_as_the_controller_counts_them_coupled_and_shifted(cell):

@@ -19,7 +19,7 @@ from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
-from workbench.model.tools.held_body import HeldAmount, drop_problem, tool_problem
+from workbench.model.tools.held_body import HeldAmount, drop_problem, recipe_problem, tool_problem
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,7 +43,7 @@ class PlanDropBack(Command):
         if self.held not in set(HeldAmount):
             value = f"{self.held!r:.60}"
             raise CommandRefused(Refusal.DROP_AMOUNT(known=list(HeldAmount), value=value))
-        refuse(_kinds_problem(state) or drop_problem(state.cell))
+        refuse(recipe_problem(state.whole or state.cell, state.cell) or drop_problem(state.cell))
         refuse(self._start_problem(state, asked.joints))
 
     def apply(self, state: State, entry: Entry) -> Decision:
@@ -81,13 +81,6 @@ class PlanDropBack(Command):
             if arm is not drops and arm.name in arms_that_may_hold(state):
                 return Refusal.DROP_OTHER_HOLDS(arm=arm.name)
         return tool_problem(drops.tool)
-
-
-def _kinds_problem(state: State) -> Message | None:
-    """Where the recipe leaves kinds out, the hand may hold one that is larger than its parts."""
-    kinds = {part.name for part in (state.whole or state.cell).parts}
-    left = sorted(kinds - {part.name for part in state.cell.parts})
-    return Refusal.DROP_RECIPE(parts=left) if left else None
 
 
 def _is_home(cell: Cell, arm: Arm, joints: Mapping[str, float]) -> bool:

@@ -63,22 +63,17 @@ def arms_that_may_hold(state: State) -> frozenset[str]:
 
     A gripper that has felt a part says nothing of its place.
     """
-    doubles = frozenset(
-        arm
-        for arm, outcome in _parts_sent_for(state)
-        if outcome is not None and outcome.became is PickResult.DOUBLE
-    )
     plans = last_sent(state)
     has_ended = state.phase is Phase.DONE and not is_remembered(state)
-    if has_ended and plans and state.parts_placed >= count_taken(plans[::-1]):
-        return doubles | frozenset(state.hands_open)
-    lost = (PickResult.FAILED, PickResult.DROPPED)
-    return (
-        doubles
-        | frozenset(state.hands_open)
-        | frozenset(
-            arm
-            for arm, outcome in _parts_sent_for(state)
-            if outcome is None or (outcome.became not in lost and outcome.by == ROBOT_LINK)
-        )
-    )
+    are_placed = has_ended and bool(plans) and state.parts_placed >= count_taken(plans[::-1])
+
+    def may_still_hold(outcome: Outcome | None) -> bool:
+        if outcome is not None and outcome.became is PickResult.DOUBLE:
+            return True
+        if outcome is None or are_placed:
+            return not are_placed
+        lost = (PickResult.FAILED, PickResult.DROPPED)
+        return outcome.became not in lost and outcome.by == ROBOT_LINK
+
+    held = (arm for arm, outcome in _parts_sent_for(state) if may_still_hold(outcome))
+    return frozenset((*state.hands_open, *held))

@@ -48,7 +48,7 @@ from workbench.model.plan import Plan, PlanResult
 from workbench.model.recipes.recipe import NO_RECIPE
 from workbench.model.robot import HOME
 from workbench.model.scan import Detection, Scene, Unexplained
-from workbench.model.tools.held_body import HeldAmount
+from workbench.model.tools.held_body import HeldAmount, recipe_problem
 from workbench.model.tools.slots import arm_with_slot
 from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
@@ -98,6 +98,8 @@ def _plan_tool_change(typed: arguments.PlanArguments, tool: str) -> int:
 def _plan_drop_back(typed: arguments.PlanArguments, amount: str) -> int:
     """Plan how an arm drops back what it holds."""
     cell = _chosen(typed)
+    if problem := recipe_problem(read_cell(typed.cell), cell):
+        raise InputError(problem)
     if typed.protocol is not None:
         cell = spoken_to_by(cell, typed.protocol)
     arm = cell.arm(typed.strategy) if typed.strategy else cell.arms[0]
@@ -319,7 +321,7 @@ def _print_words(
     if result.candidates:
         print(f"candidates: {reasons_words(result.candidates)}")
     if result.plan is not None and result.plan.is_drop_plan:
-        print("kept clear of the whole bin, which no scan shows, but for the way up out of it")
+        print("kept clear of the whole bin, which no scan shows, except on the way up out of it")
     elif result.plan is not None and (result.plan.is_view_plan or result.plan.is_tool_plan):
         print("kept clear of the whole bin, which no scan shows")
     elif result.plan is not None and result.plan.is_stir_plan:

@@ -80,8 +80,8 @@ def facts_of(
     if plan.is_drop_plan:
         held = HeldAmount(plan.arms[0].held)
         height, p = fall_height(cell, held), drop_point(cell, held) * 1000
-        beside = f"at {p[0]:.0f}, {p[1]:.0f}, {p[2]:.0f} mm; how far it falls is not known"
-        where = beside if height is None else f"from {height * 1000:.0f} mm at most"
+        place = f"at {p[0]:.0f}, {p[1]:.0f}, {p[2]:.0f} mm; how far it falls is not known"
+        where = place if height is None else f"from {height * 1000:.0f} mm at most"
         facts[f"Arm {plan.strategy.arm}"] = f"drops back what it holds ({held}) {where}"
         known = "counts as full, since no scan counts"
     if plan.is_tool_plan:

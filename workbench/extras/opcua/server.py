@@ -211,7 +211,7 @@ class OpcUa:
             except Exception as error:
                 # A rim: a PLC that reads old values for ever would take them for the state.
                 if logged != repr(error):
-                    log.exception("the state cannot be told over OPC UA")
+                    log.exception("the state cannot be written over OPC UA")
                 logged = repr(error)
 
     async def _write_changes(self) -> None:

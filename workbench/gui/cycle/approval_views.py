@@ -321,7 +321,7 @@ def _corners(motion: MotionModel, zone: float) -> Message:
 
 
 def _drops(cell: Cell, held: str) -> Message:
-    """What is dropped back, and from how high; beside the bin only where."""
+    """What is dropped back, and from how high; outside of the bin the place alone."""
     amount, message = HeldAmount(held), held_message(held)
     height = fall_height(cell, amount)
     if height is not None:

@@ -218,6 +218,12 @@ def drop_problem(cell: Cell) -> Message | None:
     return None if cell.parts else Refusal.DROP_NO_PARTS()
 
 
+def recipe_problem(whole: Cell, cell: Cell) -> Message | None:
+    """Why nobody knows what a hand holds in a cell by a recipe; None where it has all kinds."""
+    left_out = sorted({part.name for part in whole.parts} - {part.name for part in cell.parts})
+    return Refusal.DROP_RECIPE(parts=left_out) if left_out else None
+
+
 def tool_problem(tool: Tool) -> Message | None:
     """Why nobody knows where a tool holds a part; None when that is known."""
     if len(tool.tcps) < 2:

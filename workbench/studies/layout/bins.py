@@ -224,7 +224,7 @@ def _nothing(cell: Cell) -> str:
     alone = f" For one of the arms alone: --flange {' or '.join(names)}." if len(names) > 1 else ""
     return (
         f"robot {cell.robot.name}: no bin of {' or '.join(sizes)} mm was found that its arms reach "
-        f"with the tool straight down{_few_axes(cell)}, with a home and a place for parts beside "
+        f"with the tool straight down{_few_axes(cell)}, with a home and a place for parts next to "
         f"it; tried were {len(DISTANCES)} distances and {len(HEIGHTS)} heights before, beside and "
         f"behind it.{alone} "
         "Is the flange right (--flange), and its z the way out of it?"

@@ -15,7 +15,7 @@ from workbench.proof.claims.tolerances import HAND_TURN_REACH
 from workbench.proof.engine.robot import Tree
 
 OFF_LIFT = 0.0005
-"""[m] Any point of what the hand holds, beside its way straight up."""
+"""[m] Any point of what the hand holds, off its straight line up."""
 
 
 def held_violations(cell: Cell, tree: Tree, plan: Plan) -> Iterator[Violation]:
