@@ -13,11 +13,11 @@ from workbench.app.core.cycle.scanning import TakeScan, left_pile
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.cycle.standing import moved_away, shift_of
 from workbench.app.core.cycle.watching import WatchPlan
-from workbench.app.core.drop_back import PlanDropBack
+from workbench.app.core.drop_back import ConfirmHandsEmpty, PlanDropBack
 from workbench.app.core.effects import StartJob
-from workbench.app.core.hands import is_drop_next, may_hold
+from workbench.app.core.hands import arms_that_may_hold, is_drop_next, may_hold
 from workbench.app.core.people import ROBOT_LINK
-from workbench.app.core.picks import Outcome, SentFor
+from workbench.app.core.picks import Outcome, SentFor, SimulatedPile
 from workbench.app.core.state import Phase
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage, Verdict
@@ -99,7 +99,7 @@ def test_it_is_approved_and_sent_like_every_plan_and_then_a_scan_is_needed(cell,
 
 def test_a_scan_after_a_stop_does_not_make_the_hand_empty(cell, samples):
     line = broken_off(cell, samples)
-    assert "hands are empty, or drop back" in str(line.state.message)
+    assert "empty the hands and confirm it" in str(line.state.message)
     line.do(TakeScan())
     state = line.ended(samples.scan(1))
     assert "right" in state.hands_open
@@ -120,6 +120,41 @@ def test_parts_that_are_sent_for_anew_end_the_question_what_the_hands_hold(cell,
     assert line.state.hands_open
     send(line, samples)
     assert line.state.hands_open == ()
+
+
+def test_a_person_who_has_looked_ends_the_question_what_the_hands_hold(cell, samples):
+    line = broken_off(cell, samples)
+    state = line.do(ConfirmHandsEmpty())
+    assert "ada has seen the hand of right empty" in str(state.message)
+    assert not may_hold(state) and not arms_that_may_hold(state)
+    line.do(TakeScan())
+    state = line.ended(samples.scan(1))
+    assert state.hands_open == () and not may_hold(state)
+    assert "no hand may hold" in refused(line, ConfirmHandsEmpty())
+
+
+def test_the_hand_of_an_arm_that_was_open_since_before_a_scan_can_be_seen_empty(cell, samples):
+    line = broken_off(cell, samples)
+    line.do(TakeScan())
+    assert line.ended(samples.scan(1)).hands_open == ("right",)
+    assert "no arm 'middle'" in refused(line, ConfirmHandsEmpty("middle"))
+    assert line.do(ConfirmHandsEmpty("right")).hands_open == ()
+
+
+def test_after_a_hand_was_seen_empty_what_the_other_has_placed_stays_taken(cell, samples):
+    (plan,) = broken_off(cell, samples).state.unscanned.plans
+    pick, lies = plan.picks[0], plan.detections[0]
+    left = replace(pick, arm="left", detection=1)
+    both = replace(plan, arms=(pick, left), detections=(lies, lies))
+    state = Line(read_cell("yumi")).state
+    double = Outcome(0, is_picked=True, by="ada", result=PickResult.DOUBLE)
+    pile = SimulatedPile(0, 3, "", state.cell.bin.name)
+    state = replace(state, phase=Phase.DONE, plan=both, outcomes=(double,), pile=pile)
+    line = Line(state.cell)
+    line.state = state
+    assert left_pile(line.state, TakeScan(parts=3, stays=True)).left == 1
+    line.do(ConfirmHandsEmpty("right"))
+    assert left_pile(line.state, TakeScan(parts=3, stays=True)).left == 2
 
 
 def test_a_plan_that_was_never_sent_leaves_no_hand_open(cell, samples):
@@ -202,7 +237,7 @@ def test_the_other_hand_has_to_be_empty_by_what_is_known(cell, samples):
     reports(line, line.state.cell)
     line.state = replace(line.state, unscanned=SentFor((both,)))
     refusal = refused(line, PlanDropBack(arm="right"))
-    assert "arm left may hold a part, too" in refusal and "empty both hands by hand" in refusal
+    assert "arm left may hold a part, too" in refusal and "empty it by hand" in refusal
     by_link, by_ada = (Outcome(pick.detection, is_picked=True, by=by) for by in (ROBOT_LINK, "ada"))
     line.state = replace(line.state, unscanned=SentFor((both,), (by_link,)))
     assert "arm left may hold a part" in refused(line, PlanDropBack(arm="right"))

@@ -1,15 +1,15 @@
-"""How it is planned that an arm drops back what its hand holds and should not."""
+"""Hands that may hold what they should not: an arm drops it back, or a person sees none."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.standing import shift_of
-from workbench.app.core.hands import arms_that_may_hold, last_sent
+from workbench.app.core.hands import arms_that_may_hold, last_sent, may_hold
 from workbench.app.core.state import State
 from workbench.app.core.tasks import begin_task
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
@@ -81,6 +81,35 @@ class PlanDropBack(Command):
             if arm is not drops and arm.name in arms_that_may_hold(state):
                 return Refusal.DROP_OTHER_HOLDS(arm=arm.name)
         return tool_problem(drops.tool)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ConfirmHandsEmpty(Command):
+    """A person has seen that hands hold nothing.
+
+    `arm`: the name of the one whose hand is empty; without it: those of all arms.
+    """
+
+    right: ClassVar[Right] = Right(CommandText.CONFIRM_HANDS_EMPTY, SAFE)
+
+    arm: str = ""
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("arm", self.arm)
+        if self.arm not in ("", *(arm.name for arm in state.cell.arms)):
+            raise CommandRefused(Refusal.DROP_NO_ARM(arm=f"{self.arm!r:.60}"))
+        if not may_hold(state) and not arms_that_may_hold(state):
+            raise CommandRefused(Refusal.HANDS_EMPTY())
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        arms = (self.arm,) if self.arm else tuple(arm.name for arm in state.cell.arms)
+        after = replace(
+            state,
+            hands_emptied=(*(arm for arm in state.hands_emptied if arm not in arms), *arms),
+            hands_open=tuple(arm for arm in state.hands_open if arm not in arms),
+            message=StateText.HANDS_EMPTY(person=entry.actor, arms=arms),
+        )
+        return after, ()
 
 
 def _is_home(cell: Cell, arm: Arm, joints: Mapping[str, float]) -> bool:

@@ -139,7 +139,8 @@ class SessionState:
     `stirs` counts how often the parts in the bin were stirred since a plan could take some.
     `tools_unknown`: arms whose change of tool has ended with a fault, until a person has stated
     what they carry.
-    `hands_emptied`: arms that have dropped back what they held since parts were sent for.
+    `hands_emptied`: arms whose hands are empty, since parts were sent for, by a drop back or by a
+    person who has looked.
     `hands_open`: arms that may hold a part since a stop, though a scan has come since.
     `pile` is what the last simulated scan has shown of parts that stay where they are.
     `ball_scans` and `touches` check the calibrated scanner, up to `check_limits` [m] of spacings

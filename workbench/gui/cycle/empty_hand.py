@@ -8,7 +8,7 @@ import viser
 from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.empty_hand import PlanStir, PlanToolChange, PlanView, may_stir
-from workbench.app.core.drop_back import PlanDropBack
+from workbench.app.core.drop_back import ConfirmHandsEmpty, PlanDropBack
 from workbench.app.core.hands import is_drop_next, may_hold
 from workbench.app.core.state import State
 from workbench.gui.shared.look import View
@@ -58,10 +58,13 @@ class StirButton:
 
 
 class DropButton:
-    """Below **Plan**, to be seen where a hand may hold something that it should not."""
+    """Below **Plan**, to be seen where a hand may hold something that it should not.
+
+    With the button by which a person states that no hand does.
+    """
 
     def __init__(self, visitor: Visitor):
-        """Add the list and the button."""
+        """Add the list and the buttons."""
         self._visitor = visitor
         self._held: Any = visitor.gui.add_dropdown(
             "In the hand",
@@ -78,7 +81,15 @@ class DropButton:
             hint="Plans how the arm carries back what it holds, from where it stands, and opens "
             "its hand there; then a person approves. The scan is void.",
         )
+        self._empty = visitor.gui.add_button(
+            "Hands are empty",
+            icon=viser.Icon.CHECK,
+            color="gray",
+            visible=False,
+            hint="States that you have looked and that no hand holds a part.",
+        )
         visitor.on_press(self.button, self.command)
+        visitor.on_press(self._empty, ConfirmHandsEmpty)
 
     def command(self) -> PlanDropBack:
         """What a press asks for."""
@@ -87,9 +98,10 @@ class DropButton:
     def show(self, new: View) -> bool:
         """Bring it up to date; whether it is the next step."""
         state, visitor = new.state, self._visitor
-        self.button.visible = self._held.visible = may_hold(state)
+        self.button.visible = self._held.visible = self._empty.visible = may_hold(state)
         if not self.button.visible:
             return False
+        visitor.admit(self._empty, state, ConfirmHandsEmpty)
         problem = visitor.refusal(state, self.command(), new.at, new.live.joints)
         visitor.allow(self.button, visitor.words.render(problem))
         return problem is None and is_drop_next(state)

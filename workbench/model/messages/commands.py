@@ -49,6 +49,7 @@ class CommandText(Text, subject="command"):
     REDO_CELL = "a redo"
     SAVE_CELL = "saving the cell"
     CELL_READ = "a new cell file"
+    CONFIRM_HANDS_EMPTY = "confirming that hands are empty"
     EMPTY_PALLETS = "emptying the pallets"
     EDIT_PART = "a change of grasps"
     DROP_DRAFT = "discarding a draft"

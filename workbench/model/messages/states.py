@@ -103,7 +103,7 @@ class StateText(Text, subject="state"):
     FAULT_WHILE_SENDING = "fault while sending: {fault}"
     FAULT_ACKNOWLEDGED = "fault acknowledged by {person}; take a new scan"
     FAULT_HANDS = (
-        "fault acknowledged by {person}; see that the hands are empty, or drop back; then scan"
+        "fault acknowledged by {person}; empty the hands and confirm it, or drop back; then scan"
     )
     PICKED = "{person} reports: {part} was picked"
     PICK_FAILED = "{person} reports: {part} failed"
@@ -122,6 +122,7 @@ class StateText(Text, subject="state"):
     SAVE_AGAIN = "saved, without the changes made meanwhile: save again"
     APPROVERS = "a plan needs {count} different approvers now"
     PALLETS_EMPTY = "the pallets are empty"
+    HANDS_EMPTY = "{person} has seen the hand of {arms:and} empty"
     OPENED_AGAIN = "session opened again: earlier previews and approvals are void"
     CHANGES_ACKNOWLEDGED = "{person} acknowledged the changes since {since}"
     NOTE = "{person} notes: {text}"

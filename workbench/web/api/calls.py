@@ -30,7 +30,7 @@ from workbench.app.core.cycle.rows import ShortenRow
 from workbench.app.core.cycle.scanning import USUAL_PARTS, TakeScan
 from workbench.app.core.cycle.sending import NextStep, SendPlan, Stop
 from workbench.app.core.cycle.watching import WatchPlan
-from workbench.app.core.drop_back import PlanDropBack
+from workbench.app.core.drop_back import ConfirmHandsEmpty, PlanDropBack
 from workbench.app.core.session import AcknowledgeChanges, WriteNote
 from workbench.app.core.value_checks import (
     DETAIL,
@@ -305,11 +305,7 @@ CALLS: tuple[Call, ...] = (
     ),
     Call("/stop", "Send nothing more and close the link.", Stop),
     Call("/cancel", "End the running task.", CancelJob),
-    Call(
-        "/acknowledge",
-        "Say that the fault was seen and the cell cleared.",
-        AcknowledgeFault,
-    ),
+    Call("/acknowledge", "Say that the fault was seen and the cell cleared.", AcknowledgeFault),
     Call(
         "/acknowledge-changes",
         "Say that what has changed since the start before was seen; an engineer's word.",
@@ -335,6 +331,12 @@ CALLS: tuple[Call, ...] = (
     ),
     Call("/forget-avoided", "Avoid no part any more because its pick has failed.", ForgetAvoided),
     Call("/empty-pallets", "Say that what was put down has been taken away.", EmptyPallets),
+    Call(
+        "/hands-empty",
+        "Say that somebody has looked and hands hold nothing.",
+        ConfirmHandsEmpty,
+        (Field("arm", "whose; all without it", text_schema(LONGEST_TEXT), ""),),
+    ),
     Call(
         "/note",
         "Write into the session what somebody saw or did at the cell.",

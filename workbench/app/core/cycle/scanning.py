@@ -239,13 +239,18 @@ def _lifted_since(state: State) -> tuple[pin.SE3, ...]:
     if sent is None or not (has_moved or is_remembered(state)):
         return ()
     became = {outcome.detection: outcome.became for outcome in sent.outcomes}
-    has_ended = state.phase in (Phase.SENDING, Phase.DONE) and not state.hands_emptied
+    has_ended = state.phase in (Phase.SENDING, Phase.DONE) and not _was_dropped_back(state)
     usual = PickResult.PICKED if has_ended else PickResult.FAILED
     return tuple(
         sent.plans[0].detections[number].T_world_part
         for number, arm in dict(parts_sent_for(state)).items()
         if became.get(number, usual) is not PickResult.FAILED and arm not in state.hands_emptied
     )
+
+
+def _was_dropped_back(state: State) -> bool:
+    """Whether the end that the phase is of is that of a drop back, not of the parts sent for."""
+    return is_remembered(state) and bool(state.hands_emptied)
 
 
 def with_scan(state: State, scan: Scan, at: float) -> State:
