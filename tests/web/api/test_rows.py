@@ -43,8 +43,8 @@ def test_a_row_is_read_approved_and_sent_by_its_digests(site, results):
 
 def test_a_row_is_shortened_and_made_longer_again(site):
     row, plan, after = planned(site)
-    site.post("/watch", plan=plan, row=after)
-    site.post("/approve", plan=plan, row=after)
+    site.post("/watch", plan=plan, row=after.split("+"))
+    site.post("/approve", plan=plan, row=after.split("+"))
     assert site.post("/row", plan=plan, picks=1).json()["phase"] == "planned"
     state = site.get("/state").json()
     assert [one["plan"] for one in state["row"]] == [plan]
@@ -64,7 +64,9 @@ def test_a_row_is_shortened_and_made_longer_again(site):
         ("/plan", {"picks": 11}, "from 1 to 10"),
         ("/row", {"picks": 2.5}, "whole number"),
         ("/watch", {"row": "no digest"}, "must look like"),
-        ("/approve", {"row": ["0" * 64]}, "must be a text"),
+        ("/approve", {"row": [7]}, "must be a text"),
+        ("/approve", {"row": ["0" * 64] * 10}, "may have 9 entries"),
+        ("/approve", {"plan": ["0" * 64]}, "must be a text"),
     ],
 )
 def test_what_no_row_can_be_is_refused(site, path, body, said):

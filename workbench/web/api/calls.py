@@ -80,9 +80,11 @@ DIGEST: Values = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
 PLAN = Field("plan", "digest of the plan that is meant", DIGEST)
 ROW = Field(
     "row",
-    "digests of the plans after it, in their order, joined by +; empty: it stands alone",
+    "digests of the plans after it, in their order; empty: it stands alone",
     {"type": "string", "pattern": r"^([0-9a-f]{64}(\+[0-9a-f]{64}){0,8})?$"},
     "",
+    DIGEST,
+    9,
 )
 RAN = Field("ran", "digest of what runs now, as the state has it", DIGEST)
 BIN = Field("name", "of one of the `bins` of the state", text_schema(LONGEST_NAME))

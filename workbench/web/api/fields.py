@@ -25,12 +25,15 @@ class Field:
 
     `schema` uses `type` (one of integer, number, string, boolean), `minimum`, `maximum`,
     `maxLength`, `pattern` and `enum`, nothing else; without a `default` the key must be given.
+    Where there are `items`, an array of up to `most` of them is taken, too: `+` joins them.
     """
 
     name: str
     says: str
     schema: Mapping[str, Any]
     default: Any = REQUIRED
+    items: Mapping[str, Any] | None = None
+    most: int = 100
 
     @property
     def is_required(self) -> bool:
@@ -75,10 +78,20 @@ def body_of(content: bytes, fields: Sequence[Field]) -> dict[str, Any]:
 
 def _value(field: Field, given: Mapping[str, Any]) -> Any:
     if field.name in given:
-        return _check(field.name, given[field.name], field.schema)
+        value = given[field.name]
+        if field.items is not None and isinstance(value, list):
+            return _joined(field, field.items, value)
+        return _check(field.name, value, field.schema)
     if field.is_required:
         raise InputError(f"the key {field.name} is missing: {field.says}")
     return field.default
+
+
+def _joined(field: Field, items: Mapping[str, Any], values: list[Any]) -> str:
+    if len(values) > field.most:
+        raise InputError(f"{field.name} may have {field.most} entries, not {len(values)}")
+    joined = "+".join(_check(field.name, value, items) for value in values)
+    return _check(field.name, joined, field.schema)
 
 
 def _check(name: str, value: Any, schema: Mapping[str, Any]) -> Any:

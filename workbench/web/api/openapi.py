@@ -116,6 +116,9 @@ def _body_schema(fields: tuple[Field, ...]) -> schemas.Schema:
 
 def _field(field: Field) -> Description:
     schema = {**field.schema, "description": field.says}
+    if field.items is not None:
+        several = {"type": "array", "items": field.items, "maxItems": field.most}
+        schema = {"anyOf": [field.schema, several], "description": field.says}
     # None stands for what the cell says: it is left out, never sent.
     return (
         schema
