@@ -148,6 +148,8 @@ def test_what_became_of_a_part_can_be_said_after_a_fault_until_the_next_scan(lin
     state = line.do(AcknowledgeFault())
     assert (state.phase, state.plan) == (Phase.IDLE, None)
     assert parts_sent_for(state) == ((0, "right"),)
+    # Before the fault the part may still have been in the hand.
+    line.do(ReportPick(0, True))
     assert "ada has reported that already" in refused(line, ReportPick(0, True))
     state = line.do(ReportPick(0, False, "it fell"))
     (outcome,) = sent_for(state).outcomes

@@ -87,6 +87,7 @@ def test_it_is_typed_with_the_axes_that_the_controller_shows(cell, tmp_path, cap
     assert "drops back what it holds (one)" in capsys.readouterr().out
     assert read_plan(out)[0].arms[0].held == "one"
     assert main([*typed, "--joints=1,2"]) == 2
+    assert main([*typed, "--joints=0,0,0,0,0,0,999"]) != 0, "no joint goes there"
 
 
 def test_a_recipe_that_leaves_kinds_out_is_refused(monkeypatch, tmp_path, capsys):

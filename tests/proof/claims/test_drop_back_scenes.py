@@ -28,6 +28,7 @@ from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.inverse import configurations, starts_of
 from workbench.plugins.robot_link import spoken_to_by
+from workbench.proof.claims.drop_back import drop_point, fall_height
 from workbench.proof.claims.prove import prove
 from workbench.proof.claims.stirring import bodies_of
 from workbench.proof.claims.table import PairTable, Situation
@@ -199,3 +200,40 @@ def test_a_hand_that_leaves_the_straight_way_up_by_millimetres_is_refused(
     assert "not straight" not in objections(cell, plan)
     legs = tuple(bent if leg.name == "lift" else leg for leg in arm.legs)
     assert "is not straight" in objections(cell, replace(plan, arms=(replace(arm, legs=legs),)))
+
+
+def moved_bin(cell: Cell, high: float, leaning: float) -> Cell:
+    T = cell.bin.T_world_bin * pose_from_rpy((0.0, 0.0, high), (0.0, leaning, 0.0))
+    return replace(cell, bin=replace(cell.bin, T_world_bin=T))
+
+
+def test_over_a_bin_that_leans_the_hand_opens_plumb_over_its_rim(cell: Cell) -> None:
+    """What is dropped goes down, not along the normal of the bin's floor."""
+    leaning = moved_bin(cell, 0.05, np.deg2rad(30.0))
+    box, point = leaning.bin, drop_point(leaning, HeldAmount.ONE)
+    middle = box.T_world_bin.act(np.array([0.0, 0.0, float(box.size[2])]))
+    assert np.allclose(point[:2], middle[:2])
+    corners = [
+        box.T_world_bin.act(np.array([x, y, 0.0]) * np.asarray(box.size) / 2)
+        for x in (-1.0, 1.0)
+        for y in (-1.0, 1.0)
+    ]
+    lowest = min(corner[2] for corner in corners)
+    height = fall_height(leaning, HeldAmount.ONE)
+    assert height is not None and height >= point[2] - lowest
+    chain, T_bin_tcp = World(leaning, (), ()).chains["right"], pin.SE3(DOWN, np.array([0, 0, 0.12]))
+    starts = starts_of(chain, leaning.arm("right"), 0)
+    q = configurations(chain, box.T_world_bin * T_bin_tcp, starts).q[1]
+    made = plan_drop_back(leaning, "right", q, HeldAmount.ONE).plan
+    assert made is not None and objections(leaning, made) == ""
+    hand = World(leaning, (), ()).chains["right"].pose(made.arms[0].leg("carry").q[-1])
+    assert hand.rotation[2, 2] == pytest.approx(-1.0, abs=1e-3)
+    along = box.T_world_bin.act(np.array([0.0, 0.0, 0.26]))
+    elsewhere = replace(leaning, bin=replace(box, p_world_drop=tuple(map(float, along))))
+    assert fall_height(elsewhere, HeldAmount.ONE) is None
+
+
+def test_the_way_up_is_straight_also_where_joints_turn_fast(cell: Cell) -> None:
+    high = moved_bin(cell, 0.05, 0.0)
+    result = plan_drop_back(high, "right", above_bin(high, 0.12), HeldAmount.ONE)
+    assert result.plan is not None and objections(high, result.plan) == ""

@@ -63,7 +63,9 @@ class PlanDropBack(Command):
         if self.arm:
             return cell.arm(self.arm)
         away = [arm for arm in cell.arms if not _is_home(cell, arm, joints)]
-        moved = [cell.arm(arm.arm) for plan in last_sent(state) for arm in plan.arms]
+        # The cell may be another one since.
+        names = [arm.arm for plan in last_sent(state) for arm in plan.arms]
+        moved = [arm for name in names for arm in cell.arms if arm.name == name]
         return (*away, *moved, *cell.arms)[0]
 
     def _start_problem(self, state: State, joints: Mapping[str, float]) -> Message | None:

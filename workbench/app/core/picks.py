@@ -40,7 +40,8 @@ class SimulatedPile:
 class Outcome:
     """What became of a part of the plan, and who says so; `detection` is its index there.
 
-    `result` says more than `is_picked`; None where nobody has said more.
+    `result` says more than `is_picked`; None where nobody has said more.  `is_early`: it was stated
+    while the robot moved, so a part that was picked may still have been in the hand.
     """
 
     detection: int
@@ -48,6 +49,7 @@ class Outcome:
     by: str
     why: Message | str = ""
     result: PickResult | None = field(default_factory=lambda: None, metadata=LATER)
+    is_early: bool = field(default_factory=bool, metadata=LATER)
 
     @property
     def became(self) -> PickResult:
@@ -75,11 +77,14 @@ class Avoided:
 class SentFor:
     """The plans that were sent, in order, and what people and grippers said of their parts.
 
-    Each outcome names its part by the index in the first plan.
+    Each outcome names its part by the index in the first plan.  `is_over`: the last plan has ended
+    without a fault.  `placed` parts came to their places.
     """
 
     plans: tuple[Plan, ...]
     outcomes: tuple[Outcome, ...] = ()
+    is_over: bool = field(default_factory=bool, metadata=LATER)
+    placed: int = field(default_factory=int, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -269,6 +269,7 @@ class RunState(ReleaseState):
     Of a row `plan` and `proof` are those that are carried out now, and `sent_before` those before;
     what is said of messages and steps is of the plan alone, outcomes and parts placed are of the
     whole row.
+    `is_over`: the plan has ended without a fault.
     `stopped_by` names who has stopped the sending: nothing of the row follows.
     `ahead` is what is worked on for the next cycle meanwhile; no plan of it is here before the end.
     `may_have_moved`: after a missed grip the parts, by their indices in the plan's list, that may
@@ -286,6 +287,7 @@ class RunState(ReleaseState):
     stopped_by: str = field(default_factory=str, metadata=LATER)
     ahead: Ahead | None = field(default_factory=lambda: None, metadata=LATER)
     may_have_moved: tuple[int, ...] | None = field(default_factory=lambda: None, metadata=LATER)
+    is_over: bool = field(default_factory=bool, metadata=LATER)
 
     @property
     def whole_row(self) -> tuple[Proven, ...]:
@@ -351,7 +353,7 @@ def sent_for(state: State) -> SentFor | None:
     """The plans of whose parts people can say what became of them; None where nothing was sent."""
     if is_remembered(state):
         return state.unscanned
-    return SentFor(plans_begun(state), state.outcomes)
+    return SentFor(plans_begun(state), state.outcomes, state.is_over, state.parts_placed)
 
 
 def is_remembered(state: State) -> bool:

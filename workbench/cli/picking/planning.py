@@ -5,7 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
+from workbench.app.core.value_checks import (
+    LARGEST_MARGIN,
+    MOST_ITERATIONS,
+    SEED_LIMIT,
+    check_configuration,
+)
 from workbench.app.empty_hand.drop_back import plan_drop_back
 from workbench.app.empty_hand.stirring import plan_stir
 from workbench.app.empty_hand.tool_change import plan_tool_change
@@ -122,7 +127,9 @@ def _joints_of(cell: Cell, arm: Arm, typed: str) -> Floats:
         axes = np.empty(0)
     if len(axes) != len(arm.joints) or not np.isfinite(axes).all():
         raise InputError(f"--joints: {len(arm.joints)} numbers with commas are expected")
-    return from_shown(cell, arm, axes)
+    q = from_shown(cell, arm, axes)
+    check_configuration(cell, arm.name, q)
+    return q
 
 
 def _chosen(typed: arguments.PlanArguments) -> Cell:

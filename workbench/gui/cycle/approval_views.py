@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from workbench.app.core.cycle.approval import standing_votes
 from workbench.app.core.cycle.standing import moved_away
+from workbench.app.core.hands import arms_that_may_hold
 from workbench.app.core.state import Phase, State
 from workbench.gui.cycle.plan_views import unsaved_message
 from workbench.gui.drawing.nearest import (
@@ -147,8 +148,8 @@ def _facts(state: State, joints: Mapping[str, float], at: float) -> tuple[list[F
     deviations: list[Fact] = [
         ("Controller", moves(address=LabelText.ADDRESS(host=host, port=port)))
     ]
-    if state.hands_open and plan.picks:
-        deviations.append(("In the hand", ApprovalText.HANDS_OPEN(arms=state.hands_open)))
+    if (arms := sorted(arms_that_may_hold(state))) and not plan.is_drop_plan:
+        deviations.append(("In the hand", ApprovalText.HANDS_OPEN(arms=arms)))
     usual: list[Fact] = _plans(state) if len(row) > 1 else _plan(cell, plan)
 
     def add(name: Message | str, fact: Message | str | None, *, is_usual: bool) -> None:

@@ -40,8 +40,8 @@ from workbench.planning.planners.clock import processor_time, working_time
 RISES, RISE_STEP = 0.6, 0.02
 """[m] How far up the hand goes at most, and by how much each try is higher."""
 
-POINT_STEP = 0.02
-"""[m] From waypoint to waypoint on the way up."""
+POINT_STEP = 0.005
+"""[m] From waypoint to waypoint on the way up: it stays straight where joints turn fast."""
 
 HAND_TURNS = np.deg2rad([0.0, 90.0, 180.0, 270.0, 45.0, 135.0, 225.0, 315.0])
 """[rad] Of the hand about its axis where it opens."""
@@ -175,10 +175,12 @@ def _goals(world: World, arm: Arm, q: Floats, point: Floats, seed: int) -> list[
         world.chains[arm.name],
         np.vstack([q, starts_of(world.chains[arm.name], arm, seed)]),
     )
-    R_world_bin = world.cell.bin.T_world_bin.rotation
+    along = world.cell.bin.T_world_bin.rotation[:, 0]
+    yaw = math.atan2(along[1], along[0])
     found: list[Floats] = []
     for turn in HAND_TURNS:
-        R = R_world_bin @ pose_from_rpy((0.0, 0.0, 0.0), (math.pi, 0.0, turn)).rotation
+        # Plumb down, however the bin stands: so falls what the hand lets go of.
+        R = pose_from_rpy((0.0, 0.0, 0.0), (math.pi, 0.0, yaw + turn)).rotation
         answers = configurations(chain, pin.SE3(R, point), starts).q
         found += list(np.clip(world.motion.rounded(answers), chain.lower, chain.upper))
     meets = [_contact_while_carrying(world, arm, goal) is not None for goal in found]

@@ -30,28 +30,44 @@ DROPPED = 0.005
 TIPPED = np.deg2rad(30.0)
 """[rad] The hand that opens, off pointing down."""
 
+LEAST_STEEP = 0.2
+"""No unit: of the normal of a bin's floor, upwards; a bin that lies on its side holds no parts."""
+
 
 def drop_point(cell: Cell, held: HeldAmount) -> Floats:
     """Where (3,) [m] the TCP is in the world as the hand opens.
 
-    It is the place of the cell file; else over the middle of the bin, above its content.
+    It is the place of the cell file; else plumb over the middle of the bin's rim, clear of content.
     """
     if cell.bin.p_world_drop is not None:
         return np.asarray(cell.bin.p_world_drop)
-    top = unseen_content(cell, Scene("", ())).top
+    top, rim = unseen_content(cell, Scene("", ())).top, float(cell.bin.size[2])
     high = top + held_radius(cell, held) + cell.policy.margin + ABOVE_CONTENT
-    return cell.bin.T_world_bin.act(np.array([0.0, 0.0, high]))
+    p_world_rim = cell.bin.T_world_bin.act(np.array([0.0, 0.0, rim]))
+    return p_world_rim + np.array([0.0, 0.0, (high - rim) / _steepness(cell)])
 
 
 def fall_height(cell: Cell, held: HeldAmount) -> float | None:
-    """From how high [m] above the bin's floor a part falls, at most.
+    """From how high [m] above the lowest point of the bin's floor a part falls, at most.
 
     A part reaches from the TCP down, so its lowest point is no higher than the TCP.  None where the
-    place of the cell file is not over the bin: what lies below it is not known.
+    place of the cell file is not plumb over the bin: what lies below it is not known.
     """
-    p_bin = cell.bin.T_world_bin.actInv(drop_point(cell, held))
-    is_over_bin = np.all(np.abs(p_bin[:2]) <= np.asarray(cell.bin.size)[:2] / 2) and p_bin[2] >= 0.0
-    return float(p_bin[2]) + DROPPED if is_over_bin else None
+    T, p = cell.bin.T_world_bin, drop_point(cell, held)
+    length, width, rim = np.asarray(cell.bin.size)
+    p_bin = T.actInv(p)
+    above_rim = max(float(p_bin[2]) - rim, 0.0) / _steepness(cell)
+    entry = T.actInv(p - np.array([0.0, 0.0, above_rim]))
+    if p_bin[2] < 0.0 or np.any(np.abs(entry[:2]) > np.array([length, width]) / 2):
+        return None
+    R = T.rotation
+    lowest = T.translation[2] - abs(R[2, 0]) * length / 2 - abs(R[2, 1]) * width / 2
+    return float(p[2] - lowest) + DROPPED
+
+
+def _steepness(cell: Cell) -> float:
+    """How far [m/m] what falls goes along the normal of the bin's floor, per way plumb down."""
+    return max(float(cell.bin.T_world_bin.rotation[2, 2]), LEAST_STEEP)
 
 
 def drop_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:

@@ -156,6 +156,7 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
     if ended.fault:
         message = StateText.FAULT_WHILE_SENDING(fault=ended.fault)
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
+    state = replace(state, is_over=True)
     if state.plan is not None and (state.plan.is_stir_plan or state.plan.is_drop_plan):
         return with_hand_used(state, state.plan)
     expected = sum(len(plan.picks) for plan in plans_begun(state) if not _goes_on(plan))
@@ -288,7 +289,11 @@ def outcome_problem(state: State, command: ReportPick) -> Message | None:
     taken = [number for number, _ in parts_sent_for(state)]
     if command.detection not in taken:
         return Refusal.OTHER_PARTS(parts=tuple(map(FoundPart, taken)))
+    has_stopped = state.phase is not Phase.SENDING and not sent.is_over
     for outcome in sent.outcomes:
+        if has_stopped and outcome.is_early and outcome.became is PickResult.PICKED:
+            # It may have been in the hand; now somebody states that it is there no more.
+            continue
         if (outcome.detection, outcome.became) == (command.detection, command.became):
             return Refusal.SAID_ALREADY(person=outcome.by)
     return None
@@ -309,7 +314,8 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
     if sent is None:
         return state
     detection = sent.plans[0].detections[command.detection]
-    outcome = Outcome(command.detection, command.is_picked, actor, command.why, command.result)
+    said = command.detection, command.is_picked, actor, command.why, command.result
+    outcome = Outcome(*said, is_early=state.phase is Phase.SENDING)
     others = tuple(earlier for earlier in sent.outcomes if earlier.detection != command.detection)
     said_of = {"outcomes": (*others, outcome)}
     if is_remembered(state):

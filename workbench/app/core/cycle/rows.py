@@ -135,6 +135,7 @@ def with_next_plan(state: State, after: State, ended: SendingEnd, entry: Entry) 
         waits=0,
         let=0,
         let_until=approval.until,
+        is_over=False,
         message=StateText.NEXT_PLAN(number=len(done) + 1, total=len(done) + len(state.row)),
     )
     return after, (Send(proven_plan.plan, approval, following(after)),)

@@ -1,0 +1,139 @@
+"""Hands that may hold a part: by what was sent, how that ended, and what people have seen."""
+
+from dataclasses import replace
+
+import pytest
+from line import Line, refused, send
+from samples import Samples
+
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import LinkEnded
+from workbench.app.core.drop_back import PlanDropBack
+from workbench.app.core.hands import arms_that_may_hold, is_drop_next, may_hold
+from workbench.app.core.people import ROBOT_LINK
+from workbench.app.core.picks import Outcome
+from workbench.app.core.state import Phase
+from workbench.formats.cells.reading import read_cell
+from workbench.gui.cycle.approval_views import facts_html
+from workbench.model.cell import Cell
+from workbench.model.plan import NO_PART, Proven
+from workbench.model.release import PartReport
+
+
+@pytest.fixture
+def cell(make_cell):
+    """A cell whose robot link begins with something in the hand."""
+    made = make_cell()
+    motion = replace(made.controller.motion, keeps_hand=True)
+    return replace(made, controller=replace(made.controller, motion=motion))
+
+
+@pytest.fixture
+def samples(cell):
+    return Samples(cell)
+
+
+def slower(cell: Cell) -> Cell:
+    return replace(cell, policy=replace(cell.policy, speed=cell.policy.speed / 2))
+
+
+def two_arms_on_their_way() -> Line:
+    """Both arms of a cell take a part each."""
+    cell = read_cell("yumi")
+    samples = Samples(cell)
+    plan = samples.plan("scan")
+    parts = (*samples.detections(), *samples.detections(1))
+    pick = plan.arms[0]
+    both = replace(plan, detections=parts, arms=(pick, replace(pick, arm="left", detection=1)))
+    line = Line(cell)
+    line.state = replace(line.state, phase=Phase.SENDING, plan=both, proof=samples.proof(both))
+    return line
+
+
+def test_parts_that_were_all_placed_leave_no_hand_open_though_the_cell_changes(cell, samples):
+    line = Line(cell)
+    send(line, samples)
+    line.do(LinkEnded(parts_placed=1))
+    state = line.do(ChangeCell(slower(cell), "slower"))
+    assert state.phase is Phase.IDLE and state.unscanned is not None
+    assert not arms_that_may_hold(state) and not may_hold(state) and not is_drop_next(state)
+    line.do(TakeScan())
+    assert line.ended(samples.scan(1)).hands_open == ()
+
+
+def test_a_part_that_was_not_picked_leaves_the_other_hand_empty(samples):
+    line = two_arms_on_their_way()
+    reports = (PartReport("right", 0, True), PartReport("left", 1, False))
+    line.do(LinkEnded(parts_placed=1, parts=reports))
+    assert line.state.phase is Phase.DONE and not arms_that_may_hold(line.state)
+    line.do(TakeScan())
+    assert line.ended(samples.scan(1)).hands_open == ()
+
+
+def test_of_a_row_only_the_plan_that_broke_off_leaves_a_part_in_a_hand(cell, samples):
+    result = samples.row("scan")
+    line = Line(cell)
+    first, second = Proven(result.plan, result.proof), result.row[0]
+    line.state = replace(
+        line.state,
+        phase=Phase.SENDING,
+        plan=replace(second.plan, arms=(replace(second.plan.arms[0], arm="left"),)),
+        proof=second.proof,
+        sent_before=(first,),
+        outcomes=(Outcome(0, True, ROBOT_LINK, is_early=True),),
+    )
+    line.do(LinkEnded("stopped by ada"))
+    assert arms_that_may_hold(line.state) == {"left"}
+
+
+def test_who_sees_a_part_picked_before_the_stop_has_not_seen_it_leave_the_hand(cell, samples):
+    line = Line(cell)
+    send(line, samples)
+    line.do(ReportPick(0, True))
+    line.do(LinkEnded("stopped by ada"))
+    state = line.do(AcknowledgeFault())
+    assert arms_that_may_hold(state) == {"right"} and is_drop_next(state)
+    assert "see that the hands are empty, or drop back" in str(state.message)
+    state = line.do(ReportPick(0, True))
+    assert not arms_that_may_hold(state) and not is_drop_next(state)
+    assert "ada has reported that already" in refused(line, ReportPick(0, True))
+
+
+def test_a_part_that_a_gripper_has_felt_before_the_stop_is_offered_to_be_dropped_back():
+    line = two_arms_on_their_way()
+    reports = (PartReport("right", 0, True), PartReport("left", 1, None))
+    line.do(LinkEnded("stopped by ada", parts=reports))
+    line.do(ReportPick(1, False))
+    state = line.do(AcknowledgeFault())
+    assert arms_that_may_hold(state) == {"right"} and may_hold(state)
+    assert not arms_that_may_hold(line.do(ReportPick(0, True)))
+
+
+def test_arms_that_the_cell_does_not_have_any_more_are_not_asked_for(cell, samples):
+    line = Line(cell)
+    send(line, samples)
+    line.do(LinkEnded("stopped by ada"))
+    line.do(AcknowledgeFault())
+    (arm,) = cell.arms
+    other = replace(cell, arms=(replace(arm, name="middle"),))
+    line.do(ChangeCell(other, "another arm"))
+    line.joints = other.joint_values({"middle": arm.home})
+    line.do(PlanDropBack())
+    assert line.effects[-1].arguments["arm"] == "middle"
+
+
+def test_every_approval_but_that_of_a_drop_back_names_hands_that_may_hold_a_part(cell, samples):
+    line = Line(cell)
+    send(line, samples)
+    line.do(LinkEnded("stopped by ada"))
+    state = line.do(AcknowledgeFault())
+    plan = samples.plan("none")
+    nothing = replace(plan.arms[0], detection=NO_PART, grasp="", tool="other")
+    change = replace(plan, arms=(nothing,), detections=())
+    drop = replace(change, arms=(replace(nothing, tool="", held="one"),))
+    for made, is_named in ((change, True), (drop, False)):
+        shown = replace(state, phase=Phase.PLANNED, plan=made, proof=samples.proof(made))
+        html = facts_html(shown, {}, line.now)
+        assert ("right may hold a part" in html) is is_named
