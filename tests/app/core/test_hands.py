@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from line import Line, refused, send
 from samples import Samples
@@ -16,6 +17,7 @@ from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.picks import Outcome
 from workbench.app.core.state import Phase
 from workbench.formats.cells.reading import read_cell
+from workbench.formats.parts.scales import scale_mesh
 from workbench.gui.cycle.approval_views import facts_html
 from workbench.model.cell import Cell
 from workbench.model.plan import NO_PART, Proven
@@ -95,7 +97,7 @@ def test_who_sees_a_part_picked_before_the_stop_has_not_seen_it_leave_the_hand(c
     line.do(LinkEnded("stopped by ada"))
     state = line.do(AcknowledgeFault())
     assert arms_that_may_hold(state) == {"right"} and is_drop_next(state)
-    assert "see that the hands are empty, or drop back" in str(state.message)
+    assert "confirm it, or drop back" in str(state.message)
     state = line.do(ReportPick(0, True))
     assert not arms_that_may_hold(state) and not is_drop_next(state)
     assert "ada has reported that already" in refused(line, ReportPick(0, True))
@@ -136,4 +138,18 @@ def test_every_approval_but_that_of_a_drop_back_names_hands_that_may_hold_a_part
     for made, is_named in ((change, True), (drop, False)):
         shown = replace(state, phase=Phase.PLANNED, plan=made, proof=samples.proof(made))
         html = facts_html(shown, {}, line.now)
-        assert ("right may hold a part" in html) is is_named
+        assert ("right may still hold a part" in html) is is_named
+
+
+def test_a_kind_that_the_cell_has_lost_since_is_dropped_back_by_no_plan(cell, samples):
+    line = Line(cell)
+    send(line, samples)
+    line.do(LinkEnded("stopped by ada"))
+    line.do(AcknowledgeFault())
+    peg = cell.parts[0]
+    short = replace(peg, mesh=scale_mesh(peg.mesh, 0.5, np.zeros(3)))
+    line.do(ChangeCell(replace(cell, parts=(short,)), "a shorter peg"))
+    line.joints = cell.joint_values({arm.name: arm.home for arm in cell.arms})
+    assert "kind that the cell no longer has" in refused(line, PlanDropBack("one"))
+    line.do(ChangeCell(cell, "the peg again"))
+    assert line.do(PlanDropBack("one")).job is not None

@@ -19,7 +19,13 @@ from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
-from workbench.model.tools.held_body import HeldAmount, drop_problem, recipe_problem, tool_problem
+from workbench.model.tools.held_body import (
+    HeldAmount,
+    drop_problem,
+    kinds_problem,
+    recipe_problem,
+    tool_problem,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,7 +49,9 @@ class PlanDropBack(Command):
         if self.held not in set(HeldAmount):
             value = f"{self.held!r:.60}"
             raise CommandRefused(Refusal.DROP_AMOUNT(known=list(HeldAmount), value=value))
-        refuse(recipe_problem(state.whole or state.cell, state.cell) or drop_problem(state.cell))
+        cell = state.cell
+        refuse(recipe_problem(state.whole or cell, cell) or drop_problem(cell))
+        refuse(kinds_problem(state.largest_sent, cell) if arms_that_may_hold(state) else None)
         refuse(self._start_problem(state, asked.joints))
 
     def apply(self, state: State, entry: Entry) -> Decision:

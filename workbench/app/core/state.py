@@ -141,6 +141,8 @@ class SessionState:
     what they carry.
     `hands_emptied`: arms whose hands are empty, since parts were sent for, by a drop back or by a
     person who has looked.
+    `largest_sent`: length [m] of the longest part and mass [kg] of the heaviest one in the cell in
+    which parts were sent for.
     `hands_open`: arms that may hold a part since a stop, though a scan has come since.
     `pile` is what the last simulated scan has shown of parts that stay where they are.
     `ball_scans` and `touches` check the calibrated scanner, up to `check_limits` [m] of spacings
@@ -175,6 +177,7 @@ class SessionState:
     tools_unknown: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     hands_emptied: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     hands_open: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
+    largest_sent: tuple[float, float] = field(default_factory=lambda: (0.0, 0.0), metadata=LATER)
     ball_scans: tuple[BallScan, ...] = field(default_factory=tuple, metadata=LATER)
     touches: tuple[Touch, ...] = field(default_factory=tuple, metadata=LATER)
     check_limits: tuple[float, float] = field(

@@ -50,15 +50,32 @@ class HeldAmount(enum.StrEnum):
         return {HeldAmount.ONE: 1, HeldAmount.TWO: 2}.get(self, 0)
 
 
+def largest_part(cell: Cell) -> tuple[float, float]:
+    """The length [m] of the longest part and the mass [kg] of the heaviest one; 0 without any."""
+    lengths = (_length(part) for part in cell.parts)
+    return max(lengths, default=0.0), max((part.mass for part in cell.parts), default=0.0)
+
+
+def kinds_problem(sent: tuple[float, float], cell: Cell) -> Message | None:
+    """What speaks against a drop back in a cell that has lost the largest kind since.
+
+    Args:
+        sent: `largest_part` of the cell in which parts were sent for.
+        cell: with the kinds that a hand is taken to hold.
+    """
+    is_as_large = all(now >= before for now, before in zip(largest_part(cell), sent, strict=True))
+    return None if is_as_large else Refusal.DROP_KINDS()
+
+
 def held_radius(cell: Cell, held: HeldAmount) -> float:
     """The radius [m] of the ball about the TCP that holds what the hand may hold."""
-    longest = max(map(_length, cell.parts), default=0.0)
+    longest, _ = largest_part(cell)
     return GRIP_ROOM + longest * (1 if held is HeldAmount.ONE else 2)
 
 
 def held_mass(cell: Cell, held: HeldAmount) -> float:
     """The most [kg] that the hand may hold: the heaviest part, or two of it."""
-    heaviest = max((part.mass for part in cell.parts), default=0.0)
+    _, heaviest = largest_part(cell)
     return heaviest * (1 if held is HeldAmount.ONE else 2)
 
 
@@ -85,7 +102,7 @@ def with_held(cell: Cell, arm_name: str, held: HeldAmount) -> Cell:
     arm = cell.arm(arm_name)
     ball = Solid(HELD_BODY, Sphere(held_radius(cell, held)), arm.tool.T_flange_tcp)
     around = (_swept(finger, arm.tool.stroke[1]) for finger in arm.tool.fingers)
-    second = 0.0 if held is HeldAmount.ONE else max((part.mass for part in cell.parts), default=0.0)
+    second = 0.0 if held is HeldAmount.ONE else held_mass(cell, HeldAmount.ONE)
     mass = None if arm.tool.mass is None else arm.tool.mass + second
     tool = replace(arm.tool, body=(*arm.tool.body, ball, *around), mass=mass)
     arms = (replace(a, tool=tool) if a.name == arm_name else a for a in cell.arms)

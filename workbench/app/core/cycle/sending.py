@@ -23,6 +23,7 @@ from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import AheadText, NextText, PosesText, StateText
 from workbench.model.plan import Plan
 from workbench.model.release import Receipt
+from workbench.model.tools.held_body import largest_part
 from workbench.plugins.misfit import misfit
 
 
@@ -143,8 +144,18 @@ def _send(state: State, entry: Entry) -> Decision:
         earlier=state.earlier if state.plan.is_view_plan else None,
         hands_emptied=() if state.plan.picks else state.hands_emptied,
         hands_open=tuple(arm for arm in state.hands_open if arm not in _picking(state)),
+        largest_sent=_largest_sent(state),
     )
     return begun, (Send(state.plan, state.approval, following(state)),)
+
+
+def _largest_sent(state: State) -> tuple[float, float]:
+    """The longest and heaviest part that a hand can hold from now on."""
+    if not (picking := _picking(state)):
+        return state.largest_sent
+    now, before = largest_part(state.whole or state.cell), state.largest_sent
+    are_all_new = picking.issuperset(state.hands_open)
+    return now if are_all_new else (max(now[0], before[0]), max(now[1], before[1]))
 
 
 def _picking(state: State) -> set[str]:
