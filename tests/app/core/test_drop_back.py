@@ -149,7 +149,7 @@ def test_after_a_hand_was_seen_empty_what_the_other_has_placed_stays_taken(cell,
     state = Line(read_cell("yumi")).state
     double = Outcome(0, is_picked=True, by="ada", result=PickResult.DOUBLE)
     pile = SimulatedPile(0, 3, "", state.cell.bin.name)
-    state = replace(state, phase=Phase.DONE, plan=both, outcomes=(double,), pile=pile)
+    state = replace(state, phase=Phase.DONE, plan=both, outcomes=(double,), pile=pile, is_over=True)
     line = Line(state.cell)
     line.state = state
     assert left_pile(line.state, TakeScan(parts=3, stays=True)).left == 1

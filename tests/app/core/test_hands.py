@@ -9,12 +9,12 @@ from samples import Samples
 
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
-from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.scanning import TakeScan, left_pile
 from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.drop_back import PlanDropBack
 from workbench.app.core.hands import arms_that_may_hold, is_drop_next, may_hold
 from workbench.app.core.people import ROBOT_LINK
-from workbench.app.core.picks import Outcome
+from workbench.app.core.picks import Outcome, SentFor, SimulatedPile
 from workbench.app.core.state import Phase
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.scales import scale_mesh
@@ -153,3 +153,27 @@ def test_a_kind_that_the_cell_has_lost_since_is_dropped_back_by_no_plan(cell, sa
     assert "kind that the cell no longer has" in refused(line, PlanDropBack("one"))
     line.do(ChangeCell(cell, "the peg again"))
     assert line.do(PlanDropBack("one")).job is not None
+
+
+def test_a_simulated_part_that_was_placed_stays_away_though_the_cell_changes(cell, samples):
+    line = Line(cell)
+    send(line, samples)
+    line.do(LinkEnded(parts_placed=1))
+    line.state = replace(line.state, pile=SimulatedPile(0, 3, "", cell.bin.name))
+    state = line.do(ChangeCell(slower(cell), "slower"))
+    assert left_pile(state, TakeScan(parts=3, stays=True)).left == 2
+
+
+def test_a_simulated_part_of_a_row_that_broke_off_lies_in_the_bin_and_those_before_are_away():
+    line = two_arms_on_their_way()
+    first = line.state.plan
+    second = replace(first, arms=first.arms[1:])
+    one = replace(first, arms=first.arms[:1])
+    line.state = replace(
+        line.state,
+        phase=Phase.IDLE,
+        plan=None,
+        unscanned=SentFor((one, second)),
+        pile=SimulatedPile(0, 3, "", line.state.cell.bin.name),
+    )
+    assert left_pile(line.state, TakeScan(parts=3, stays=True)).left == 2

@@ -26,8 +26,8 @@ def may_hold(state: State) -> bool:
     if state.hands_open and state.phase not in (Phase.SENDING, Phase.FAULT):
         return True
     has_ended = state.phase in (Phase.IDLE, Phase.DONE)
-    results = (outcome for _, outcome in _parts_sent_for(state) if outcome is not None)
-    is_odd = any(outcome.became is not PickResult.PICKED for outcome in results)
+    outcomes = (taken.outcome for taken in _parts_not_let_go(state))
+    is_odd = any(outcome and outcome.became is not PickResult.PICKED for outcome in outcomes)
     return is_drop_next(state) or (has_ended and is_odd)
 
 
@@ -37,10 +37,8 @@ def is_drop_next(state: State) -> bool:
         return False
     # A fault that was acknowledged leaves what was sent behind.
     is_open = state.phase is Phase.IDLE and any(_still_holding(state))
-    return is_open or any(
-        outcome is not None and outcome.became is PickResult.DOUBLE
-        for _, outcome in _parts_sent_for(state)
-    )
+    outcomes = (taken.outcome for taken in _parts_not_let_go(state))
+    return is_open or any(out and out.became is PickResult.DOUBLE for out in outcomes)
 
 
 def arms_that_may_hold(state: State) -> frozenset[str]:
@@ -58,7 +56,8 @@ def _still_holding(state: State) -> Iterator[str]:
     if sent is None or not sent.plans:
         return
     are_placed = sent.is_over and sent.placed >= count_taken(sent.plans)
-    for taken, outcome in _parts_sent_for(state):
+    for taken in _parts_not_let_go(state):
+        outcome = taken.outcome
         became = None if outcome is None else outcome.became
         is_felt = outcome is not None and (outcome.is_early or outcome.by == ROBOT_LINK)
         if (
@@ -70,18 +69,20 @@ def _still_holding(state: State) -> Iterator[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Taken:
-    """The arm that was sent for a part, and whether its plan has ended without a fault."""
+class Taken:
+    """A part that was sent for last, by its index in the first plan, and the arm for it.
 
+    `is_over`: its plan has ended without a fault.  `outcome`: as far as somebody has stated one.
+    """
+
+    number: int
     arm: str
     is_over: bool
+    outcome: Outcome | None
 
 
-def _parts_sent_for(state: State) -> Iterator[tuple[_Taken, Outcome | None]]:
-    """Each part that was sent for last, and what became of it, as far as stated.
-
-    Arms that have dropped back what they held since are left out.
-    """
+def parts_taken_last(state: State) -> Iterator[Taken]:
+    """Each part that was sent for last."""
     sent = sent_for(state)
     has_moved = state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
     if sent is None or not sent.plans or not (has_moved or is_remembered(state)):
@@ -90,5 +91,9 @@ def _parts_sent_for(state: State) -> Iterator[tuple[_Taken, Outcome | None]]:
     for plan in sent.plans:
         is_over = sent.is_over or plan is not sent.plans[-1]
         for number, arm in zip(parts_taken(sent.plans[0], plan), plan.picks, strict=True):
-            if arm.arm not in state.hands_emptied:
-                yield _Taken(arm.arm, is_over), outcomes.get(number)
+            yield Taken(number, arm.arm, is_over, outcomes.get(number))
+
+
+def _parts_not_let_go(state: State) -> Iterator[Taken]:
+    """Those of them whose arm has not dropped back what it held since, nor was seen empty."""
+    return (taken for taken in parts_taken_last(state) if taken.arm not in state.hands_emptied)

@@ -14,8 +14,7 @@ from workbench.app.core.cycle.arm_scanner import (
     standing_joints,
     view_problem,
 )
-from workbench.app.core.cycle.outcomes import parts_sent_for
-from workbench.app.core.hands import arms_that_may_hold
+from workbench.app.core.hands import Taken, arms_that_may_hold, parts_taken_last
 from workbench.app.core.people import Role
 from workbench.app.core.picks import Avoided, SimulatedPile
 from workbench.app.core.state import (
@@ -23,7 +22,6 @@ from workbench.app.core.state import (
     ScanState,
     State,
     begin_stage,
-    is_remembered,
     sent_for,
     stale_by,
 )
@@ -232,25 +230,30 @@ def _lifted_since(state: State) -> tuple[pin.SE3, ...]:
     """Where the parts lay that were taken since the last scan, `T_world_part`.
 
     Those of which nobody has said anything are taken to be picked, except after a fault.  What an
-    arm has dropped back lies in the bin.
+    arm has dropped back after one, or a second part, lies in the bin.
     """
     sent = sent_for(state)
-    has_moved = state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
-    if sent is None or not (has_moved or is_remembered(state)):
-        return ()
-    became = {outcome.detection: outcome.became for outcome in sent.outcomes}
-    has_ended = state.phase in (Phase.SENDING, Phase.DONE) and not _was_dropped_back(state)
-    usual = PickResult.PICKED if has_ended else PickResult.FAILED
-    return tuple(
-        sent.plans[0].detections[number].T_world_part
-        for number, arm in dict(parts_sent_for(state)).items()
-        if became.get(number, usual) is not PickResult.FAILED and arm not in state.hands_emptied
+    return (
+        ()
+        if sent is None
+        else tuple(
+            sent.plans[0].detections[taken.number].T_world_part
+            for taken in parts_taken_last(state)
+            if _is_out(state, taken)
+        )
     )
 
 
-def _was_dropped_back(state: State) -> bool:
-    """Whether the end that the phase is of is that of a drop back, not of the parts sent for."""
-    return is_remembered(state) and bool(state.hands_emptied)
+def _is_out(state: State, taken: Taken) -> bool:
+    """Whether a part of a simulated pile has left the bin."""
+    is_taken = taken.is_over or state.phase is Phase.SENDING
+    if taken.outcome is None:
+        return is_taken
+    became = taken.outcome.became
+    was_let_go = taken.arm in state.hands_emptied
+    return became is not PickResult.FAILED and not (
+        was_let_go and (became is PickResult.DOUBLE or not is_taken)
+    )
 
 
 def with_scan(state: State, scan: Scan, at: float) -> State:
