@@ -220,4 +220,4 @@ class EmptyingPanel:
 
 def _kinds(cell: Cell) -> tuple[str, ...]:
     names = tuple(part.name for part in cell.parts)
-    return (*names, ALL_KINDS) if len(names) > 1 else names
+    return (ALL_KINDS, *names) if len(names) > 1 else names
