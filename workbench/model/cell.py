@@ -88,16 +88,15 @@ ARM_NAME = r"[A-Za-z0-9_][A-Za-z0-9_-]{0,39}"
 class Arm:
     """One kinematic chain with a tool.
 
-    `name` is like `ARM_NAME`, and no word of a strategy.  `joints` are the movable joints from base
-    to flange, chain order; `axis_order[k]` is the place in the chain of the controller's k-th axis
-    and `axis_signs` its sense.  `home` (n,) [rad], chain order.  `Ts_world_place` are TCP poses
-    where a part may be released, tried in order, those of one position that follow each other by
-    time, after `part_places`, which state how the part has to lie; parts stay (`keeps_parts`), or
-    are gone before the next (`passes_parts_on`); only those of known roll come if it `needs_roll`.
-    `controller_id`: what the controller calls the arm.  `tool`: what it carries, of all `tools`.
-    `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are the most of its joints; without `jerk`
-    acceleration may jump.  `place_names`: of `Ts_world_place`.  `mapping`: see `AxisMapping`.
-    `moving_mass` [kg]: of all links that move.  `tool_slots`: of tools that it does not carry.
+    `name` matches `ARM_NAME` and is no word of a strategy; the controller's is `controller_id`.
+    `joints` are the movable joints from base to flange (chain order).  `axis_order[k]` is the index
+    in the chain of the controller's k-th axis, `axis_signs` its sense; see also `mapping`.  `home`
+    (n,) [rad], `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are in chain order; without
+    `jerk` the acceleration may jump.  `moving_mass` [kg] is that of all moving links.
+    `part_places` state target poses of parts; `Ts_world_place`, with `place_names`, are TCP poses
+    at the release.  They are tried in this order, those at one position by time.  Parts stay
+    (`keeps_parts`) or are gone before the next (`passes_parts_on`).  `needs_roll` excludes parts of
+    unknown roll.  `tool` is the mounted one of `tools`, `tool_slots` hold the others.
     """
 
     name: str
@@ -164,17 +163,16 @@ Z_FORWARD = "z_forward"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScannerMount:
-    """Where the scanner hangs and what it sees: camera frame z forward, x right, y down.
+    """Pose and properties of the scanner: camera frame z forward, x right, y down.
 
-    `resolution` (columns, rows), `field_of_view` [rad] along the columns, `depth_noise` [m]
-    standard deviation at 1 m of a simulated pixel before any averaging, `near` and `far` [m] the
-    range it measures in.  `source` names the driver (`plugins.scanner`); `address` is where it
-    finds the scanner, in its own way; `unit` that of files; `patience` [s] how long to wait for a
-    scan; `options` are the driver's own keys.  `calibration` says who has measured the pose and
-    when, None when nobody has; after `calibration_days` it counts as old.  `cloud_axes` names the
-    axes of the points in files, see `formats.clouds.scans.CLOUD_AXES`.  `while_moving`: a scan is
-    as good while arms move out of its view, so that it need not wait for them.  `on_arm` is the arm
-    that carries it, None where it stands; `T_world_scanner` is its pose at the view then.
+    `resolution` is (columns, rows), `field_of_view` [rad] the angle along the columns.
+    `depth_noise` [m] is the standard deviation of a simulated pixel at 1 m, before averaging.
+    `near` and `far` [m] limit its range.  `source` names the driver (`plugins.scanner`), `address`
+    is in the driver's form, `options` are its keys.  `patience` [s] is the timeout of a scan.
+    `unit` and `cloud_axes` (`formats.clouds.scans.CLOUD_AXES`) are those of files.  `calibration`
+    states who measured the pose and when; after `calibration_days` it counts as old.
+    `while_moving`: scans are possible while arms move outside the view.  `on_arm` is the arm that
+    carries the scanner; then `T_world_scanner` is its pose at the view.
     """
 
     T_world_scanner: pin.SE3

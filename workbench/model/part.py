@@ -67,11 +67,11 @@ class Grasp:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraspPattern:
-    """One grasp repeated around and along an axis and across it.
+    """One grasp repeated around, along and across an axis.
 
-    The axis runs along `axis` (3,) through `through` (3,) [m].  The copies are moved by each of
-    `offsets` [m] along it and each of `across_offsets` [m] along `across` (3,), and then turned
-    by each of `angles` [rad] about it.
+    The axis runs along `axis` (3,) through `through` (3,) [m].  Copies are shifted by each of
+    `offsets` [m] along the axis and by each of `across_offsets` [m] along `across` (3,).  Then they
+    are turned by each of `angles` [rad] about the axis.
     """
 
     grasp: Grasp

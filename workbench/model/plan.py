@@ -121,11 +121,11 @@ def are_in_step(legs: Sequence[Leg]) -> bool:
 class ArmPlan:
     """All that one arm does with one part: `detection` is an index into the plan's list.
 
-    It is `NO_PART`, and `grasp` empty, of an arm that takes its scanner to the view, or stirs,
-    takes another `tool`, or drops back what it holds: `held` (`tools.held_body.HeldAmount`).
-    `station` names where the part is put to be taken anew; empty: to a place.  `loads` are those of
-    tool and part, which the controller gets; None where the tool's mass is not known.  `found` is
-    the grip where the part's library has no grasp of this name.  `tcp` is the tool's; empty: first.
+    `detection` is `NO_PART` and `grasp` empty when an arm moves its scanner to the view, stirs,
+    changes to `tool`, or drops what it holds: `held` (`tools.held_body.HeldAmount`).
+    `station` names where the part is regrasped; empty: it goes to a place.  `loads` of tool and
+    part go to the controller; None if the tool's mass is unknown.  `found` is the grip if the
+    part's library has no such grasp.  `tcp` is the name of the tool's TCP; empty: the first.
     """
 
     arm: str

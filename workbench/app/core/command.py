@@ -51,10 +51,10 @@ class Right:
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """Who asks for a command, when, and how the robot stands.
+    """Who requests a command, when, and where the robot is.
 
-    `actor` is a person's name or one of `MACHINES`, `now` in seconds since the epoch, `joints` the
-    robot's own report (name -> rad), empty when it reports none.
+    `actor` is the name of a person, or one of `MACHINES`; `now` is in seconds since the epoch.
+    `joints` are the positions that the robot reports (name -> rad), empty when it reports none.
     """
 
     actor: str

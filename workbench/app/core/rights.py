@@ -12,7 +12,7 @@ from workbench.model.messages.states import NextText, task_message
 from workbench.model.recipes.recipe import NO_RECIPE
 
 MOST_SAID = 3
-"""So many changes are told in a sentence; the page has the whole list."""
+"""Largest number of changes in a sentence; the page has the whole list."""
 
 NEXT: Mapping[Phase, NextText] = {
     Phase.IDLE: NextText.SCAN,

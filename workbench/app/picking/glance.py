@@ -1,8 +1,7 @@
-"""Candidates at a glance: how they would be judged where something is dragged, while it is.
+"""Quick check of candidates while a person drags something, at ten answers a second.
 
-As far as is quick enough for ten answers a second: the hand where the part lies, as planning judges
-it first (`propose`), whether the arm gets its hand there, and with the part to one of its places.
-What is refused here planning refuses, too; the ways there and back are left to it.
+It checks the hand at the part, as `propose` does, and whether the arm reaches the grasp and a
+place.  Planning refuses whatever is refused here.  Only planning checks the motions between them.
 """
 
 from collections.abc import Mapping

@@ -68,10 +68,10 @@ def at_rest(cell: Cell, placed: Sequence[Detection]) -> tuple[pin.SE3, ...]:
 
 @dataclass(frozen=True, slots=True)
 class PalletFill:
-    """How full a pallet in layers is.
+    """How full a pallet with layers is.
 
-    `number` counts those of the `arm` from 1.  Of its `places` so many have `parts`; `layer` is the
-    one that is being filled, 0 when none is.  `doubtful` parts may be there, or not.
+    `number` counts the pallets of the `arm` from 1.  `parts` of its `places` are occupied, where
+    `doubtful` parts may be missing.  `layer` is the one being filled; 0: none.
     """
 
     arm: str

@@ -74,31 +74,32 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
 ) -> PlanResult:
     """Judge candidates, choose, plan, and prove.
 
-    Grasps of a priority below 0 are spares: they are checked, one priority after the other, only
-    when no plan comes out of those before them, or one for fewer arms than could work; where one
-    arm has work already, they get no more than half of the time.  Where no plan comes out of all,
-    grips are searched for one part after the other, from the top, of those kinds whose library says
-    so; and then the grasps are tried by `widened`, unless the policy says not to.  Each time the
-    first TCPs of the tools are tried, and others where no plan comes out of those before.
+    Planning stops at the first stage with a plan; each tries a tool's first TCP before the others:
+
+    1. Grasps of priority 0 and above.
+    2. Spare grasps (priority below 0), by priority.  They also serve when fewer arms have work than
+       could; then they get at most half of the time.
+    3. A grip search, part by part from the top, for kinds whose library allows it.
+    4. Grasps as `widened` changes them, unless the policy forbids it.
 
     Args:
         cell: with its parts and policy.
         detections: the parts found, at least one.
-        scan_digest: what they were found in.
+        scan_digest: digest of the scan that shows them.
         strategy: see `check_strategy`.
         threshold: [m] distance between the parts; None takes the cell's policy.
         overrides: what this request changes of the cell's policy.
-        obstacles: what the scan shows beside the parts.
-        avoided: indices of parts that are left alone for now, and why; they stay obstacles.
-        wanted: how many parts of each kind may be taken; None: any.  Where one alone is, an arm
-            takes it whatever the strategy says of two.
-        seed: of everything random.
-        report: progress.
-        cancelled: asked between candidates; True ends the work.
+        obstacles: obstacles in the scan other than parts.
+        avoided: indices of parts that are not picked now, with the reason; they stay obstacles.
+        wanted: how many parts of each kind may be taken; None: any number.  If only one part is
+            wanted, one arm takes it, even with a strategy for two.
+        seed: of all random numbers.
+        report: receives the progress.
+        cancelled: called between candidates; True ends the work.
 
     Raises:
         InputError: no detections, or a strategy that is not known or not available.
-        JobCancelled: `cancelled` said so.
+        JobCancelled: `cancelled` returned True.
     """
     if not detections:
         raise InputError(Refusal.NO_PARTS())

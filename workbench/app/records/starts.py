@@ -27,7 +27,7 @@ class Before:
 
 
 def start(ran: Inventory, before: Before | None) -> Started:
-    """What has to be told of a start with what runs now, and of the one before it."""
+    """The start record of an inventory, with its differences to the start before."""
     if before is None:
         return Started(ran)
     changes = tuple(dict.fromkeys((*before.changed, *differences(before.ran, ran))))

@@ -8,11 +8,11 @@ registers leave some out then: Universal Robots, "Trajectory improvements for se
 proportional term, and `lookahead_time` projects the joint's position by its speed.  `Following`
 reads that as q'' = gain (reference - q - lookahead q'): a joint lags by `lookahead` behind a steady
 stream, as a user has measured (34 ms at 0.03 s and 1200: issue 86 of
-Universal_Robots_Client_Library).  To second order such an arm leaves the way by
-(lookahead^2 - 2 / gain) q'' / 2, next to nothing at 0.03 s and 2000, which the maker's own driver
-takes; degrees at twice or three times that lag.  So each leg is streamed so slowly that the arm
-stays within `FOLLOWS_WITHIN` of the proven curve by this reading.  It is no word of the maker: the
-link compares the joints that are reported with the curve all the time.
+Universal_Robots_Client_Library).  To second order such an arm leaves the path by
+(lookahead^2 - 2 / gain) q'' / 2.  That is next to nothing at 0.03 s and 2000, the values of the
+maker's own driver, and several degrees at twice or three times that lag.  So each leg is streamed
+slowly enough to stay within `FOLLOWS_WITHIN` of the proven curve by this model.  The maker does not
+confirm the model, so the link compares the reported joints with the curve all the time.
 """
 
 import math

@@ -1,9 +1,9 @@
-"""The next cycle worked on while a plan still runs: kept apart until that has ended as planned.
+"""Prepares the next cycle while a plan still runs, apart from the state until the plan has ended.
 
-Somebody has asked to go on (`GoOn`) while something is sent.  As soon as the robot is reported to
-run a step from which on the scanner sees past the arms, the scan is taken, parts are found, and the
-next plan is made for the state that a good end leaves.  None of that is the state's own scan or
-plan before there is such an end, and whatever is in doubt throws it away.  Nothing here sends.
+A person commands `GoOn` while a plan is sent.  The scan is taken as soon as the robot reports a
+step from which on the arms are out of the scanner's view.  Then parts are searched and planned for
+the state after a successful end.  Scan and plan enter the state only after such an end; any doubt
+discards them.  Nothing here sends.
 """
 
 from dataclasses import dataclass, field, replace
@@ -135,12 +135,12 @@ def given_up(state: State, why: Message) -> Ended:
 
 
 def after_the_end(before: State, after: State, entry: Entry) -> Decision:
-    """What was worked on ahead becomes the state's own, or is thrown away, when a plan has ended.
+    """Take the prepared cycle into the state, or discard it, when a plan has ended.
 
     Args:
-        before: the state while the plan was sent that has ended.
-        after: the state after its end, which may be that the next one of the row is sent.
-        entry: tells of the end.
+        before: the state while the plan was sent.
+        after: the state after its end, in which the next plan of the row may already be sent.
+        entry: the journal entry of the end.
     """
     ahead = before.ahead
     if ahead is None or after.phase is Phase.SENDING:

@@ -56,9 +56,9 @@ def length_problem(state: State, picks: int) -> Message | None:
 
 
 def shorten_row(state: State, picks: int, actor: str) -> State:
-    """The state in which a person wants a row of so many plans: what was approved is void.
+    """Set the number of plans in the row; this cancels the approval.
 
-    Who has seen all of a row has seen a shorter one, too.
+    Whoever has watched the whole row has also watched a shorter one.
     """
     every = (*state.row, *state.left_out)
     is_shorter = picks <= len(state.row)

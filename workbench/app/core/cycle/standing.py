@@ -25,9 +25,9 @@ SAME_THRESHOLD = 0.0005
 
 
 def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> Message | None:
-    """What has made a plan stale, and by how much; None when it still stands.
+    """Why a plan is no longer valid; None while it is valid.
 
-    Another scan or cell is not looked for: with that the plan would be gone.
+    A new scan or cell is not checked here: it has already removed the plan.
     """
     return (
         other_threshold(state) or other_pallets(state, plan) or moved_away(state.cell, plan, joints)
