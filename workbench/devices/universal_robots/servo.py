@@ -10,7 +10,7 @@ reads that as q'' = gain (reference - q - lookahead q'): a joint lags by `lookah
 stream, as a user has measured (34 ms at 0.03 s and 1200: issue 86 of
 Universal_Robots_Client_Library).  To second order such an arm leaves the path by
 (lookahead^2 - 2 / gain) q'' / 2.  That is next to nothing at 0.03 s and 2000, the values of the
-maker's own driver, and several degrees at twice or three times that lag.  So each leg is streamed
+maker's own driver.  At two or three times that lag it is several degrees.  So each leg is streamed
 slowly enough to stay within `FOLLOWS_WITHIN` of the proven curve by this model.  The maker does not
 confirm the model, so the link compares the reported joints with the curve all the time.
 """
