@@ -93,9 +93,9 @@ class Detection(FactsRepr):
 
     `score` is 0..1; `visible` 0..1 is the seen share of the surface that faces the scanner.  `gap`
     is the lead in score over the second-best pose of the same object, None without one.
-    `roll_known` False: the scan does not show the angle about the near-symmetry axis `roll_axis`
-    (2, 3), a point [m] and a unit direction in the part's frame (None: the axis of the part's
-    symmetry).  `covariance` (6, 6) [m, rad] is that of shifts of the part's origin, then of
+    `roll_known` False: the scan does not show the angle about the near-symmetry axis.  This is
+    `roll_axis` (2, 3), a point [m] and a unit direction in the part's frame; None: that of the
+    part's symmetry.  `covariance` (6, 6) [m, rad] is that of shifts of the part's origin, then of
     rotations about it, along the world's axes.  `probability` is the chance that the pose is right.
     For poses from outside `gap`, `covariance` and `probability` are None.  `by_colour` True: colour
     decides kind or rotation, which shape leaves open; False: colour should decide and does not;

@@ -154,9 +154,9 @@ def stand_below(
     The solids are floor, walls and fixtures, not boxes around objects in a scan.
 
     The body is in one piece, within `reach` of the TCP, and touches nothing yet.  Only a body under
-    a box with upright sides can touch it.  No part of the body is under a box whose underside is
-    not above the body's lowest point, or which stands fully on such a box.  Nor is it under a box
-    that covers all of its space from below: the body would have to pass through.
+    a box with upright sides can touch it.  The body is not under a box whose underside is at or
+    below its lowest point.  The same holds for a box that stands fully on such a box.  Nor is the
+    body under a box that covers all of its space from below: it would have to pass through.
 
     Args:
         shapes: the solids, with their poses in the world.

@@ -5,8 +5,8 @@ them.  For things that stand still, a two-sample test (Student 1908) compares th
 the calibration with the last ones, along six directions.  Placed parts are compared with the poses
 at which the robot placed them: they show the scanner's pose itself, not only its change.
 
-All motions (6,) [m, rad] are those of the scanner from its pose in the cell, along and about the
-world's axes, at the bin's middle, as in `things`.
+All motions (6,) [m, rad] are those of the scanner from its pose in the cell.  They are along and
+about the world's axes at the bin's middle, as in `things`.
 """
 
 from collections import defaultdict

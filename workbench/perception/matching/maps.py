@@ -106,9 +106,8 @@ class DepthMap:
 def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) -> DepthMap | None:
     """Project a scan, organised or not, into a camera that sees just the bin.
 
-    An organised cloud is treated like any other: the place of its points in the scanner's
-    image says nothing that the points do not say, and the intrinsics of real scanners are
-    often unknown.
+    An organised cloud is treated like any other: pixel indices add no information to the points,
+    and the intrinsics of real scanners are often unknown.
 
     Args:
         scan: the cloud.

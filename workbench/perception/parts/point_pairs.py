@@ -5,8 +5,8 @@ Robust 3D Object Recognition", CVPR 2010.  A pair of points with normals n1, n2 
 d has the feature (|d|, angle(n1, d), angle(n2, d), angle(n1, n2)), which no motion changes.
 When a pair of the scene has the feature of a pair of the model, aligning the two gives exactly
 one pose.  So each reference point of the scene collects votes for its model point and for the
-angle about its normal.  Of the points that the part's symmetry maps onto each other only one is
-used, since votes for the others are votes for the same poses.
+angle about its normal.  Of points that the part's symmetry maps onto each other only one is used:
+votes for the others are votes for the same poses.
 """
 
 from dataclasses import dataclass

@@ -1,10 +1,12 @@
 """Errors of a scanner's points, drawn from a seed.
 
 The models follow the literature on triangulating sensors.  The standard deviation grows with the
-square of the depth and with the angle of incidence (Nguyen, Izadi, Lovell, "Modeling Kinect Sensor
-Noise for Improved 3D Reconstruction and Tracking", 3DIMPVT 2012).  There are mixed pixels at depth
-edges, pixels that the projector does not light, and outliers by wrong decoding.  Types of scanner
-differ most in the errors that neighbouring pixels share (`image_errors`).
+square of the depth and with the angle of incidence.  There are mixed pixels at depth edges, pixels
+that the projector does not light, and outliers by wrong decoding.  Types of scanner differ most in
+the errors that neighbouring pixels share (`image_errors`).
+
+Source: Nguyen, Izadi, Lovell, "Modeling Kinect Sensor Noise for Improved 3D Reconstruction and
+Tracking", 3DIMPVT 2012.
 """
 
 import numpy as np

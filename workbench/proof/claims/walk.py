@@ -50,8 +50,8 @@ CLOSING = 0.001
 """[m] Fingers that close are checked this often; they are thicker."""
 
 MOST_TOGETHER = 1_000_000
-"""Pairs of places on the ways of two arms, before they are halved: two of 120 waypoints have so
-many."""
+"""Largest number of pairs of places on two arms' paths before halving, enough for 120 waypoints
+each."""
 
 FAR_SIGHT = 0.4
 """[m] Distances between arms are computed up to here."""

@@ -131,10 +131,10 @@ def search(
 
 
 class _Wanted:
-    """How well distances after each waypoint are wanted.
+    """Required accuracy of the distances after each waypoint.
 
-    `nearest` (w,) [m] is what was measured so far; a bound above `goals` (w,) [m] is good enough.
-    Goals are `by_waypoint` unless the nearest of all is wanted.
+    `nearest` (w,) [m] are the smallest measured distances; a bound above `goals` (w,) [m] is good
+    enough.  Goals are `by_waypoint` unless only the smallest distance of all is required.
     """
 
     def __init__(self, goal: SearchGoal) -> None:

@@ -28,7 +28,7 @@ MOST_BROWSERS = 20
 
 @dataclass(frozen=True, slots=True)
 class LoginAttempt:
-    """A login that is being tried; counts as failed so far."""
+    """A login in progress; it counts as failed until it succeeds."""
 
     numbers: tuple[int, ...]
 
