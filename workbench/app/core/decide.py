@@ -30,7 +30,7 @@ def check_allowed(
     joints: Mapping[str, float] = NOT_REPORTED,
     role: Role = Role.ENGINEER,
 ) -> None:
-    """Let a command pass, or say why not.
+    """Check that a command is allowed now.
 
     Args:
         state: as it is.

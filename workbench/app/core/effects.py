@@ -56,7 +56,7 @@ class StopSending:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UseCell:
-    """Jobs and robot link go on with this cell."""
+    """Jobs and robot link use this cell from now on."""
 
     cell: Cell
 

@@ -1,4 +1,4 @@
-"""Which hands may hold a part that they should not, by what was sent last and what came of it."""
+"""Which hands may hold a part that they should not, by the last sending and its outcome."""
 
 from collections.abc import Iterator
 
@@ -17,10 +17,10 @@ def last_sent(state: State) -> tuple[Plan, ...]:
 
 
 def may_hold(state: State) -> bool:
-    """Whether a hand may hold something that it should not, by what was sent last.
+    """Whether a hand may hold something that it should not, by the last sending.
 
-    So it is after a fault, and where a part was not picked alone, until it was dropped back or
-    parts were sent for anew.
+    This is so after a fault, and after a pick of two parts, until a drop back or the next sending
+    of a pick.
     """
     if state.hands_open and state.phase not in (Phase.SENDING, Phase.FAULT):
         return True
@@ -31,7 +31,7 @@ def may_hold(state: State) -> bool:
 
 
 def is_drop_next(state: State) -> bool:
-    """Whether a drop back is what comes next: after a fault, and where a second part came."""
+    """Whether a drop back comes next: after a fault, and after a pick of two parts."""
     if state.phase not in (Phase.IDLE, Phase.DONE):
         return False
     outcomes = [outcome for _, outcome in _parts_sent_for(state)]
@@ -43,9 +43,9 @@ def is_drop_next(state: State) -> bool:
 
 
 def _parts_sent_for(state: State) -> Iterator[tuple[str, Outcome | None]]:
-    """The arm of each part that was sent for last, and what became of it, as far as stated.
+    """The arm of each part of the last sending, and the outcome of the pick, if stated.
 
-    Arms that have dropped back what they held since are left out.
+    Arms that have since dropped their part back are left out.
     """
     sent = sent_for(state)
     has_moved = state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
@@ -59,9 +59,9 @@ def _parts_sent_for(state: State) -> Iterator[tuple[str, Outcome | None]]:
 
 
 def arms_that_may_hold(state: State) -> frozenset[str]:
-    """The arms that have taken a part of which nobody has stated that it left the hand.
+    """The arms that may still hold a part, since nobody has stated that it left the hand.
 
-    A gripper that has felt a part says nothing of its place.
+    A gripper's report of a part does not show that the part was placed.
     """
     plans = last_sent(state)
     has_ended = state.phase is Phase.DONE and not is_remembered(state)

@@ -216,7 +216,7 @@ def scan_of_pile(state: State, parts: int | None = None, *, drops_new: bool = Fa
 
 
 def left_pile(state: State, command: TakeScan) -> SimulatedPile | None:
-    """What is left of the pile that a scan asks for; None where it falls anew."""
+    """The remaining pile that a scan requests; None: a new pile falls."""
     known, fresh = state.pile, _fresh_pile(state, command)
     if known is None or known.name != fresh.name:
         return None
@@ -229,10 +229,10 @@ def _fresh_pile(state: State, command: TakeScan) -> SimulatedPile:
 
 
 def _lifted_since(state: State) -> tuple[pin.SE3, ...]:
-    """Where the parts lay that were taken since the last scan, `T_world_part`.
+    """Poses `T_world_part` of the parts that were taken since the last scan.
 
-    Those of which nobody has said anything are taken to be picked, except after a fault.  What an
-    arm has dropped back lies in the bin.
+    Without a report a part counts as picked, except after a fault.  Parts that an arm has dropped
+    back are in the bin.
     """
     sent = sent_for(state)
     has_moved = state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
@@ -249,7 +249,7 @@ def _lifted_since(state: State) -> tuple[pin.SE3, ...]:
 
 
 def _was_dropped_back(state: State) -> bool:
-    """Whether the end that the phase is of is that of a drop back, not of the parts sent for."""
+    """Whether the sending that has ended was a drop back, not a pick."""
     return is_remembered(state) and bool(state.hands_emptied)
 
 
@@ -274,7 +274,7 @@ def with_scan(state: State, scan: Scan, at: float) -> State:
 
 
 def _after_one_more_scan(state: State, at: float) -> tuple[Avoided, ...]:
-    """What is still avoided after a new scan of the chosen bin, taken at [s since the epoch]."""
+    """The places still avoided after a new scan of the chosen bin at a time [s since the epoch]."""
     now = [
         replace(entry, scans=entry.scans - (entry.bin == state.cell.bin.name))
         for entry in state.avoided
