@@ -184,7 +184,7 @@ class Objection(enum.StrEnum):
 class RejectedHypothesis:
     """A hypothesis, and why it is not among the detections.
 
-    `score` as that of a detection; `rival` counts the detections from 0: the one that it lost to.
+    `score` is as in a detection; `rival` is the index of the detection that was preferred.
     """
 
     part: str
@@ -239,9 +239,9 @@ class ScaleCheck:
 
 @dataclass(frozen=True, slots=True)
 class OffsetCheck:
-    """How far the surface of a kind of part lies outside of its CAD file in a scan.
+    """Distance of a kind of part's surface in a scan from its CAD file.
 
-    `offset` [m] is negative where it lies inside, `deviation` [m]; `count` parts found show it.
+    `offset` [m] is positive outside, with its `deviation` [m].  It is measured on `count` parts.
     """
 
     part: str
@@ -265,10 +265,10 @@ class OffsetCheck:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LocalizationResult(FactsRepr):
-    """What a search brought: the parts, best first, and the best of what was rejected.
+    """Result of a search: the parts, best first, and the best rejected hypotheses.
 
-    `scales` are of those kinds of which enough is seen to tell their size, `offsets` of those with
-    a surface that lies off.
+    `scales` are those of kinds seen well enough to measure their size, `offsets` those of kinds
+    whose surface differs from the CAD file.
     """
 
     detections: tuple[Detection, ...]
@@ -319,10 +319,10 @@ class Obstacle:
 
 @dataclass(frozen=True, slots=True)
 class Unexplained:
-    """Upright boxes around things that nothing known explains.
+    """Upright boxes around unknown objects.
 
-    `seen` are around what a scan shows of them; `unseen`, where the parts found hide what is
-    behind them, around where these things may go on.
+    `seen` are around the points of the objects, `unseen` around hidden space into which the
+    objects may extend.
     """
 
     seen: tuple[Obstacle, ...] = ()
@@ -352,8 +352,8 @@ class LocalizerChoice:
 class SearchOverrides:
     """How one search differs from the usual.
 
-    `detail` is how fine the scan is searched, 1 being usual: finer finds small features and takes
-    longer.  Parts with a score below `least_score` are not taken.
+    `detail` is the resolution of the search relative to the usual: a finer search finds small
+    features and takes longer.  Parts with a score below `least_score` are not used.
     """
 
     detail: float = 1.0
@@ -385,7 +385,7 @@ class Remark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """What is known to be in the bin: the parts found, and what else the scan shows.
+    """Content of the bin: the detections, and other objects in the scan.
 
     `scan_digest` is that of the scan, or of the detections when they came from a file.
     """
