@@ -16,7 +16,7 @@ SLOWEST = 0.05
 
 
 Manner = tuple[float, bool]
-"""How a plan goes out: at which share of its speed, and whether step by step."""
+"""How a plan is sent: at which share of its speed, and whether step by step."""
 
 AS_PLANNED: Manner = (1.0, False)
 
