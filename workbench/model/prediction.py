@@ -66,7 +66,7 @@ class PileTask:
     it, and what stays is reported without a nearest fix.  `picks`: plans in a row after one look,
     at most.  `recipe` is the number of the cell's recipe, 0 for none; `bin` the name of its bin.
     `stirs`: how often in a row a hand stirs where nothing can be taken; None: as the cell says.
-    `displaced` [m]: by so much a base of an assembly is shifted sideways once it was placed; if
+    `displaced` [m]: the sideways shift of an assembly's base after it was placed; if
     that is not 0, a kit is complete only if its parts mate.
     """
 

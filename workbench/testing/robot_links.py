@@ -23,7 +23,7 @@ from workbench.plugins.robot_link import (
 from workbench.testing.options import check_options
 
 LONGEST_WAIT = 120.0
-"""[s] For what has to come at some time; only a link that hangs takes so long."""
+"""[s] Timeout of everything that must come; only a link that hangs reaches it."""
 
 
 @contextmanager

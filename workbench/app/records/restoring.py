@@ -41,7 +41,7 @@ BACKUPS = Path("backups")
 """Below the working directory: what was there before something was restored, and a log."""
 
 _RESTORING = threading.Lock()
-"""One restores at a time, whoever asks."""
+"""Held during a restore: only one runs at a time."""
 
 KEPT_USERS = "users.json"
 """The users in a backup, if it has them."""

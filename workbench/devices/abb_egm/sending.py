@@ -40,17 +40,17 @@ GENTLE = 50
 """[references] In this many it goes from where it stands to where the plan begins."""
 
 SETTLE = 750
-"""[reports] 3 s: so long may it take to come to rest at the end of a leg."""
+"""[reports] Longest time to come to rest at the end of a leg: 3 s."""
 
 REPORTS_FIRST = 5
-"""[reports] That have to come in order before anything is sent."""
+"""[reports] Number of reports in order that must come before anything is sent."""
 
 CONNECT = 2.0
 """[s] A controller whose EGM runs is heard at once."""
 
 POLL_EVERY = 0.05
 SHOWN_EVERY = 25
-"""[reports] Between two looks for whoever watches."""
+"""[reports] Interval of the status for people."""
 
 
 class EgmSending:

@@ -33,10 +33,10 @@ PERIOD = 0.008
 """[s] A whole number of the controller's steps, on CB3 (8 ms) and on the e-Series (2 ms)."""
 
 SETTLED = 8
-"""[lookaheads] So long the last reference is repeated: the arm stands before a gripper moves."""
+"""[lookaheads] Duration of the last reference, so that the arm stands before a gripper moves."""
 
 FOLLOWS_WITHIN = np.deg2rad(0.1)
-"""[rad] A joint that follows may be this far from the way of its references."""
+"""[rad] Largest distance of a joint from the path of its references."""
 
 SLOWER = 0.9
 """What a leg's pace is multiplied by until the arm follows so closely."""

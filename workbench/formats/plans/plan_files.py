@@ -62,7 +62,7 @@ MOST_OBSTACLES = 600
 MOST_NOTES, LONGEST_NOTE = 30, 1000
 
 LARGEST_JOINT = 1000.0
-"""[rad or m] Beyond this a joint value is a slip of whoever wrote the file."""
+"""[rad or m] Largest joint value in a file; a larger one is a mistake."""
 
 
 def write_plan(path: str | Path, plan: Plan, proof: Proof | None = None) -> None:

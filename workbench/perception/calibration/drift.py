@@ -32,7 +32,7 @@ CHANCE = 0.01
 """With which a drift is reported though there is none, all directions and things together."""
 
 ARM = 0.15
-"""[m] A turn counts as much as the shift that it makes this far away."""
+"""[m] Lever arm by which a rotation is compared with a shift."""
 
 SCALE = np.repeat([1.0, 1 / ARM], 3)
 """[no unit, 1/m] By it motions have one unit."""

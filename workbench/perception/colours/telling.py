@@ -31,7 +31,7 @@ FITS = 8.0
 """Mean squared distance, in deviations, up to which colours seen are those of a guess at all."""
 
 AS_GOOD = 4.0
-"""By so much more than the best light another one may miss all parts together, and is possible."""
+"""Largest excess of a possible light's error over all parts, relative to the best light."""
 
 FEWEST_POINTS, LEAST_SHARE = 12, 0.03
 """Points, and share of those seen, by which two guesses must differ to be distinguished."""

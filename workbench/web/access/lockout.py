@@ -20,10 +20,10 @@ WHILE = 300.0
 """[s]"""
 
 REMEMBERED = 180 * 86400.0
-"""[s] So long a browser is known after a login in it."""
+"""[s] Time for which a browser is known after a login."""
 
 MOST_BROWSERS = 20
-"""Of one user, that are known; the oldest are forgotten."""
+"""Largest number of known browsers of a user; the oldest are forgotten."""
 
 
 @dataclass(frozen=True, slots=True)
