@@ -20,7 +20,7 @@ LEAST_MASS = 0.001
 
 @dataclass(frozen=True, slots=True)
 class LoadData:
-    """`mass` [kg], `cog` [mm], `aom` (w, x, y, z), `moments` [kg m2], rounded as they are told."""
+    """`mass` [kg], `cog` [mm], `aom` (w, x, y, z), `moments` [kg m2], rounded as they are sent."""
 
     mass: float
     cog: tuple[float, ...]

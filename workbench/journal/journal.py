@@ -50,7 +50,7 @@ class Journal:
     wholly, with its files, or not at all.
 
     Concurrency: any thread may call anything.  Appends are one after the other; readers have
-    their own connection and never wait for a writer.  One program writes to a folder: whoever
+    their own connection and never wait for a writer.  One program writes to a folder: the one that
     has claimed it; without a claim, a second one is refused at its first append after the other's.
     """
 

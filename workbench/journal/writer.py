@@ -24,7 +24,7 @@ class Writer:
 
         Args:
             folder: of the session.
-            at: seconds since the epoch, told to whoever comes later.
+            at: seconds since the epoch, for the message to later programs.
 
         Raises:
             JournalError: another program has it, or the folder cannot be written.

@@ -19,7 +19,7 @@ Light = Literal["good", "warning", "bad"]
 """A traffic light: green, amber, red."""
 
 LEAST_DIFFERENCE = 0.008
-"""[m] By which the sides of a plate differ, so that each ball can be told from the others."""
+"""Smallest difference of a plate's sides [m], so that each ball can be identified."""
 
 LEAST_RADIUS, MOST_RADIUS = 0.002, 0.2
 """[m]"""

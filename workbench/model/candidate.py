@@ -68,10 +68,11 @@ class Stage(enum.StrEnum):
 class Verdict:
     """A reason with its evidence.
 
-    `pair` names the two bodies that come too close, `distance` [m] how close (negative:
-    penetration depth), None where nobody has measured it, or, when out of reach, how far the TCP
-    stays away, with 0.1 m for each radian that it is turned; `q` (n,) [rad] is the configuration
-    (of the candidate's arm) where it happened, so that the page can draw it.
+    Attributes:
+        pair: names of the two bodies that are too close.
+        distance: distance of the pair [m], negative: penetration depth.  Out of reach: how far
+            the TCP stays away [m], plus 0.1 m per radian.  None: not measured.
+        q: the arm's configuration at that moment (n,) [rad], for the page.
     """
 
     reason: Reason
@@ -130,11 +131,11 @@ def kind_of(reason: Reason, *, is_apart: bool) -> Reason:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Candidate(FactsRepr):
-    """One detection taken by one grasp with one arm, with the verdict so far.
+    """One detection, grasp and arm, with the latest verdict.
 
     `detection` is the index among the detections of the scan.  `rank` orders the choice:
-    lower is better (the SE(3) distance between the arm's home TCP pose and the grasp).  `tcp` names
-    that of the tool, empty where it names none.
+    lower is better (the SE(3) distance between the arm's home TCP pose and the grasp).  `tcp` is
+    the name of the tool's TCP, empty where it has none.
     """
 
     detection: int
@@ -171,14 +172,18 @@ RUBS = 0.0003
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pick:
-    """A candidate that works: the straight legs and the place, as configurations.
+    """A feasible candidate, with its linear motions as configurations.
 
-    `approach` (m, n) [rad] runs from pre-grasp to grasp, `extract` (m, n) from grasp to the
-    end of the extraction; `place` (m, n) runs straight down to the release.  `T_tcp_part` is the
-    part in the hand, `lift` the name of the way in which it is taken out, `gain` [m] how much that
-    leads away from what the part lies against (`PartWays.gain`), where there are several lifts.
-    `clearance` [m] is the distance beyond the margin at the grasp, at most 0.01; `seconds` what
-    its legs take at least, each straight from rest to rest.
+    Attributes:
+        T_tcp_part: pose of the part in the hand.
+        approach: from pre-grasp to grasp (m, n) [rad].
+        extract: from the grasp to the end of the extraction (m, n) [rad].
+        place: straight down to the release (m, n) [rad].
+        clearance: distance beyond the margin at the grasp [m], at most 0.01.
+        seconds: lower bound of the duration of its legs [s].
+        lift: name of the lift that takes the part out.
+        gain: with several lifts: how far this one moves away from contacts [m], see
+            `PartWays.gain`.
     """
 
     candidate: Candidate

@@ -43,10 +43,10 @@ class Finger:
 class Tool:
     """A gripper on the flange; solids in the flange frame; `stroke` (min, max) opening [m].
 
-    `press` [m]: how far it gives way to the part that it takes: pads of fingers as they close,
-    the lip of a suction cup as it arrives.  `force` [N]: by which each finger closes, or the vacuum
-    pulls; None where nobody has said it.  So are `mass` [kg], and, where they are not to be
-    estimated, `centre_of_gravity` (3,) [m] and `inertia` (3, 3) [kg m2] about it (`model.load`).
+    `press` [m] is its compliance at the part: that of finger pads, or of the lip of a suction cup.
+    `force` [N] is the closing force of each finger, or the force of the vacuum; None: unknown.
+    `mass` [kg] may be None, too.  `centre_of_gravity` (3,) [m] and `inertia` (3, 3) [kg m2] about
+    it are None if they are to be estimated (`model.load`).
     `T_flange_tcp` is the pose of `tcp`, one of `tcps`, the first unless a plan states another.
     """
 
@@ -88,16 +88,15 @@ ARM_NAME = r"[A-Za-z0-9_][A-Za-z0-9_-]{0,39}"
 class Arm:
     """One kinematic chain with a tool.
 
-    `name` is like `ARM_NAME`, and no word of a strategy.  `joints` are the movable joints from base
-    to flange, chain order; `axis_order[k]` is the place in the chain of the controller's k-th axis
-    and `axis_signs` its sense.  `home` (n,) [rad], chain order.  `Ts_world_place` are TCP poses
-    where a part may be released, tried in order, those of one position that follow each other by
-    time, after `part_places`, which state how the part has to lie; parts stay (`keeps_parts`), or
-    are gone before the next (`passes_parts_on`); only those of known roll come if it `needs_roll`.
-    `controller_id`: what the controller calls the arm.  `tool`: what it carries, of all `tools`.
-    `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are the most of its joints; without `jerk`
-    acceleration may jump.  `place_names`: of `Ts_world_place`.  `mapping`: see `AxisMapping`.
-    `moving_mass` [kg]: of all links that move.  `tool_slots`: of tools that it does not carry.
+    `name` matches `ARM_NAME` and is no word of a strategy; the controller's is `controller_id`.
+    `joints` are the movable joints from base to flange (chain order).  `axis_order[k]` is the index
+    in the chain of the controller's k-th axis, `axis_signs` its sense; see also `mapping`.  `home`
+    (n,) [rad], `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are in chain order; without
+    `jerk` the acceleration may jump.  `moving_mass` [kg] is that of all moving links.
+    `part_places` state target poses of parts; `Ts_world_place`, with `place_names`, are TCP poses
+    at the release.  They are tried in this order, those at one position by time.  Parts stay
+    (`keeps_parts`) or are gone before the next (`passes_parts_on`).  `needs_roll` excludes parts of
+    unknown roll.  `tool` is the mounted one of `tools`, `tool_slots` hold the others.
     """
 
     name: str
@@ -164,17 +163,16 @@ Z_FORWARD = "z_forward"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScannerMount:
-    """Where the scanner hangs and what it sees: camera frame z forward, x right, y down.
+    """Pose and properties of the scanner: camera frame z forward, x right, y down.
 
-    `resolution` (columns, rows), `field_of_view` [rad] along the columns, `depth_noise` [m]
-    standard deviation at 1 m of a simulated pixel before any averaging, `near` and `far` [m] the
-    range it measures in.  `source` names the driver (`plugins.scanner`); `address` is where it
-    finds the scanner, in its own way; `unit` that of files; `patience` [s] how long to wait for a
-    scan; `options` are the driver's own keys.  `calibration` says who has measured the pose and
-    when, None when nobody has; after `calibration_days` it counts as old.  `cloud_axes` names the
-    axes of the points in files, see `formats.clouds.scans.CLOUD_AXES`.  `while_moving`: a scan is
-    as good while arms move out of its view, so that it need not wait for them.  `on_arm` is the arm
-    that carries it, None where it stands; `T_world_scanner` is its pose at the view then.
+    `resolution` is (columns, rows), `field_of_view` [rad] the angle along the columns.
+    `depth_noise` [m] is the standard deviation of a simulated pixel at 1 m, before averaging.
+    `near` and `far` [m] limit its range.  `source` names the driver (`plugins.scanner`), `address`
+    is in the driver's form, `options` are its keys.  `patience` [s] is the timeout of a scan.
+    `unit` and `cloud_axes` (`formats.clouds.scans.CLOUD_AXES`) are those of files.  `calibration`
+    states who measured the pose and when; after `calibration_days` it counts as old.
+    `while_moving`: scans are possible while arms move outside the view.  `on_arm` is the arm that
+    carries the scanner; then `T_world_scanner` is its pose at the view.
     """
 
     T_world_scanner: pin.SE3
@@ -204,10 +202,10 @@ class ScannerMount:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Controller:
-    """Address of the robot controller, and how it is spoken to and moves.
+    """Address of the robot controller, and its robot link.
 
-    Motion goes through `port`, reports come on `state_port`; `options` are keys of the robot link
-    that `motion` names.  `is_simulated`: this workbench has started it.
+    Motions are sent to `port`, reports come from `state_port`.  `options` are keys of the robot
+    link that `motion` names.  `is_simulated`: this workbench has started it.
     """
 
     host: str
@@ -228,26 +226,26 @@ class Controller:
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """The numbers by which this cell plans; lengths [m], angles [rad].
+    """The planning parameters of a cell; lengths [m], angles [rad].
 
-    `margin` is kept to everything on free legs, `near_margin` by the tool on straight legs,
-    `self_margin` between links of one arm.  `lift_length` and `lift_lean` shape the extraction:
-    straight up, leaning to the bin centre.  A part may have been found up to `sink` deep in what it
-    lies on: deeper is a wrong pose.  It may slide along that for `release` of its lift, and keeps
-    `near_margin` from then on.  `speed` scales joint speeds.  `zone` is the largest corner
-    rounding, as a fraction of the shorter neighbouring segment (`Cell.zone`).  `planner`
-    (`plugins.planner`) searches the free legs, within `iterations` a call; `birrt` is the thesis'
-    name for `rrtconnect`.  `seconds` [s] of processor time end a planning wherever it stands.
-    `order` states which part is taken first: which takes the least time, the highest, the best
-    score, the nearest to the tool, the farthest from walls, or by the thesis' rules
-    (`planning.picking.order`).  `metric` weighs the joints in the planners' distance: each counts
-    this fraction of the one before it.  `lifts` (`planning.picking.lifts`) take a part out whose
-    grasp says none, the first that is clear.  `least_air` [m]: fingers may arrive less open than a
-    grasp says, with so much left on each side; None: as it says.  `pair_gap` [m]: parts nearer are
-    of one heap, of which a plan takes but one; 0: any two.  `picks`: plans in a row after one scan.
-    `tcp_speed`, `point_speed`, `held_speed` [m/s], `manual_speed`, `contact_energy` [J]: limits
-    (`derived.speed_limits`), as `stir_speed` and `slot_speed`.  `as_needed`: else by
-    `derived.policies.widened`.  `stirs` in a row.  `retry_without_scan` after a miss.
+    `margin` is that of free legs, `near_margin` that of the tool on linear legs, `self_margin` that
+    between links of one arm.  `lift_length` and `lift_lean` shape the extraction: up, leaning to
+    the bin centre.  `sink` is the largest penetration of a found part into its support.  The part
+    may slide along its support for `release` of its lift; then it keeps `near_margin`.  `speed`
+    scales joint speeds.  `zone` is the largest corner rounding, as a fraction of the shorter
+    neighbouring segment (`Cell.zone`).  `planner` (`plugins.planner`) searches the free legs, with
+    `iterations` a call; `birrt` is the thesis' name for `rrtconnect`.  `seconds` [s] limits the
+    processor time of a planning.  `order` is the order of parts: by least time, height, score,
+    distance to the tool, distance to the walls, or the thesis' rules (`planning.picking.order`).
+    `metric` weighs the joints in the planners' distance: each counts this fraction of the one
+    before it.  `lifts` (`planning.picking.lifts`) are tried in order for grasps without their own.
+    `least_air` [m] is the least gap on each side of a part at which fingers may arrive less open
+    than the grasp states; None: always as stated.  `pair_gap` [m]: of parts nearer to each other a
+    plan takes only one; 0: no limit.  `picks` is the number of plans in a row after one scan.
+    `tcp_speed`, `point_speed`, `held_speed` [m/s], `manual_speed`, `contact_energy` [J] are limits
+    (`derived.speed_limits`), as are `stir_speed` and `slot_speed`.  `as_needed`: whether
+    `derived.policies.widened` may change grasps.  `stirs` limits the number of stirs in a row.
+    `retry_without_scan`: whether a missed grip is followed by a plan from the same scan.
     """
 
     margin: float = 0.005
@@ -306,10 +304,10 @@ class PlanOverrides:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Cell(FactsRepr):
-    """Everything that a plan depends on besides the scan: one digest covers it all.
+    """Everything that a plan depends on besides the scan, covered by one digest.
 
-    Neither the controller's address nor `approvers` (how many have to approve) is in it.
-    `recipe`: which of `recipes` it is by (`derived.by_recipe`), 0: none; `bin`: `derived.by_bin`.
+    The digest does not cover the controller's address and `approvers`, the number of approvals.
+    `recipe` is the chosen one of `recipes` (`derived.by_recipe`), 0: none; `bin`: `derived.by_bin`.
     """
 
     name: str

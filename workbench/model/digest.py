@@ -1,8 +1,8 @@
-"""One canonical form for every value, the digest made from it, and what people read of a value.
+"""The canonical form of every value, its digest, and its short form for people.
 
-The canonical form is what JSON can hold: a dataclass becomes an object of its fields, a pose
-its 4 x 4 matrix, an array nested lists (a large one its own digest and shape).  The plan file
-is this form, so anybody can recompute its digest with a JSON library and SHA-256.
+The canonical form is JSON: a dataclass becomes an object of its fields, a pose its 4 x 4 matrix.
+An array becomes nested lists, a large array its digest and shape.  The plan file has this form, so
+anybody can recompute its digest with a JSON library and SHA-256.
 """
 
 import dataclasses

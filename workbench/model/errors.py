@@ -1,14 +1,14 @@
-"""Everything that can go wrong and is somebody's to mend, as one tree.
+"""All errors that a person can correct, as one tree.
 
     WorkbenchError
-    |-- InputError        a file, an argument or a message that cannot be used as it is
-    |   |-- FileError     ... with the file named
-    |   `-- CommandRefused  a command that the rules do not admit now
-    |       `-- NotAllowed  ... nor ever from a person of this role
-    |-- LinkError         the robot controller or a scanner cannot be reached, or broke off
-    |   `-- ProtocolError it answered something that the protocol does not know
-    |-- JobCancelled      a person ended a long task
-    `-- JournalError      the journal cannot be written, or was changed from outside
+    |-- InputError        A file, an argument or a message that cannot be used.
+    |   |-- FileError     The same, with the file named.
+    |   `-- CommandRefused  A command that the rules do not allow now.
+    |       `-- NotAllowed  A command that a person of this role may never give.
+    |-- LinkError         The controller or a scanner cannot be reached, or broke off.
+    |   `-- ProtocolError It answered something that the protocol does not know.
+    |-- JobCancelled      A person ended a long task.
+    `-- JournalError      The journal cannot be written, or was changed from outside.
 
 An expected failure of planning is not an error but a value: see `Verdict`.
 Messages name the file, the key, the value, what was expected and what is available.

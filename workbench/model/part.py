@@ -1,4 +1,4 @@
-"""A part to be picked, the grasps that people put on it, where it lies and where it has to lie."""
+"""A part to be picked, its grasps, its bin, and its target poses."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -32,10 +32,10 @@ class Grasp:
 
     `approach` (3,) and `retreat` (3,) are unit directions of travel in the TCP frame, with lengths
     in m: the tool arrives along `approach` over `approach_length`.  When `retreat` is None the
-    extraction follows the cell's policy.  `opening` [m] of the fingers on arrival, `grip` [m]
-    closed on the part.  `arms`, `tool` and `tcp` are those it is for; empty means any.
-    `free_rotation` [rad] is how far the tool may turn about its own z either way; `tilt` [rad] how
-    far about its closing axis y; `slide` [m] how far along its x.  `is_found`: for one part only.
+    extraction follows the cell's policy.  `opening` [m] is that of the fingers on arrival, `grip`
+    [m] that on the part.  `arms`, `tool` and `tcp` restrict the grasp; empty means any.  The tool
+    may rotate by `free_rotation` [rad] about its z, both ways, and by `tilt` [rad] about its
+    closing axis y; it may shift by `slide` [m] along its x.  `is_found`: for one part only.
     """
 
     name: str
@@ -67,11 +67,11 @@ class Grasp:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraspPattern:
-    """One grasp repeated around and along an axis and across it.
+    """One grasp repeated around, along and across an axis.
 
-    The axis runs along `axis` (3,) through `through` (3,) [m].  The copies are moved by each of
-    `offsets` [m] along it and each of `across_offsets` [m] along `across` (3,), and then turned
-    by each of `angles` [rad] about it.
+    The axis runs along `axis` (3,) through `through` (3,) [m].  Copies are shifted by each of
+    `offsets` [m] along the axis and by each of `across_offsets` [m] along `across` (3,).  Then they
+    are turned by each of `angles` [rad] about the axis.
     """
 
     grasp: Grasp
@@ -139,9 +139,9 @@ class GraspPair:
 class GraspLibrary:
     """All grasps of a part, as authored: single ones and patterns.
 
-    `pairs`: where there are any, two arms take parts of this kind by these pairs only.
-    `searches`: where no grasp of it takes a part, a plan searches all grips of the tools.
-    `grasps` holds every single one, patterns written out, in authored order.
+    `pairs`: if there are any, two arms take parts of this kind only by these pairs.
+    `searches`: if no grasp takes a part, a planning searches all grips of the tools.
+    `grasps` holds all single grasps, with patterns expanded, in authored order.
     """
 
     entries: tuple[Entry, ...] = ()
@@ -177,17 +177,17 @@ DOWN, PLACE_LIFT = (0.0, 0.0, -1.0), 0.05
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartPlace:
-    """Where a part has to lie when an arm lets go of it, however the hand holds it.
+    """Target pose of a part at the release, with any grasp.
 
-    `T_world_part` is its pose; one that the part's symmetry makes of it is as good.  `part` is its
-    kind, empty: any.  The part may be turned by up to `free_rotation` [rad] either way about the z
-    of `T_world_part`.  `tolerance` [m], of its origin, and `turn_tolerance` [rad] are how far off a
-    plan may put it.  `approach` (3,) is the direction of its last linear motion, `length` [m] long.
+    `T_world_part` is the pose; poses by the part's symmetry are equivalent.  `part` is its kind;
+    empty: any.  The part may be rotated by up to `free_rotation` [rad] about the z of
+    `T_world_part`, both ways.  `tolerance` [m] of its origin and `turn_tolerance` [rad] limit the
+    error of a plan.  `approach` (3,) is the direction of the last linear motion, `length` [m] long.
 
-    Places of one `pallet` in layers have its number, from 1 in their arm; 0: of none.  `layer`
-    counts from 1, the lowest; it takes parts when every place beneath has one, none when one lies
-    above.  `name` is for recipes; several may share it.  `centred` [m, rad] are deviations of
-    shifts and turns in a nest that centres the part; None where none does.
+    Places of a `pallet` with layers have its number, from 1 for each arm; 0: no pallet.  `layer`
+    counts from 1, the lowest.  A place is available when all places beneath are full and none
+    above is.  `name` is for recipes; several places may share it.  `centred` [m, rad] are the
+    standard deviations in a nest that centres the part; None without one.
     """
 
     T_world_part: pin.SE3
@@ -212,10 +212,10 @@ class PartPlace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Station:
-    """A level surface on which an arm may put a part down for a moment, to take it anew.
+    """A level surface on which an arm may put a part to regrasp it.
 
-    `T_base_station` is the middle of the surface with z up, in the frame of the fixture that it
-    belongs to; that is empty where that is the world.  `size` (2,) [m] along its x and y.
+    `T_base_station` is the middle of the surface with z up, in the frame of its fixture, or of the
+    world if the fixture is empty.  `size` (2,) [m] is along its x and y.
     """
 
     name: str
@@ -229,7 +229,7 @@ class Station:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Region:
-    """A box in which parts are searched and taken: a compartment, or what is left of a bin.
+    """A box in which parts are searched and taken: a compartment, or the usable part of a bin.
 
     `T_bin_region` is the middle of its lower side with z up, in the frame of the bin; `size` (3,)
     [m] along its axes.
@@ -253,10 +253,10 @@ class Region:
 class Bin:
     """An open box, or without walls a surface, on which parts lie; z up from its middle.
 
-    `size` (3,) [m]: inner length, width and height of the walls; where it `has_walls` not, up to
-    where parts may lie.  `wall` [m]: how thick floor and walls are.  Where there are `regions`,
-    parts are taken from these alone.  Several bins of a cell have names, and numbers from 1 on.
-    `p_world_drop` [m]: where the TCP is as a hand drops back what it holds; None: over the bin.
+    `size` (3,) [m]: inner length and width, and height of the walls; without `has_walls`, the
+    height up to which parts may lie.  `wall` [m] is the thickness of floor and walls.  If there are
+    `regions`, parts are taken only from these.  Several bins have names, and numbers from 1 on.
+    `p_world_drop` [m] is the TCP's position for dropping a part back; None: over the bin.
     """
 
     T_world_bin: pin.SE3
@@ -311,11 +311,11 @@ TURN_MARK = "@"
 class Part(Shared, FactsRepr):
     """A part: its surface, convex solids for collision and physics, symmetry and grasps.
 
-    `grasps` are those of library and symmetry, no grip twice, as open as `tolerance` asks.
-    `friction`, no unit, is that against what holds it, `tolerance` [m] how far its surface may lie
-    off the mesh; None where not stated.  `colours` (m, 3) of triangles, 0 to 255 in sRGB, decide
-    between kinds or turns.  It is `scale` times as large as its file, and `offset` [m] outside.
-    While it is carried, `upright` (3,) is at most `tilt` [rad] from vertical; None: it may turn.
+    `grasps` are those of library and symmetry, without repeats, opened by `tolerance`.  `friction`
+    (no unit) is that against the hand, `tolerance` [m] the largest distance of the surface from the
+    mesh; None: not stated.  `colours` (m, 3) of triangles, sRGB 0..255, decide between kinds or
+    rotations.  The part is `scale` times as large as its file, its surface `offset` [m] outside.
+    In the hand, `upright` (3,) is at most `tilt` [rad] from vertical; None: it may rotate.
     """
 
     name: str

@@ -28,8 +28,8 @@ def edit_library(library: GraspLibrary, was: Sequence[Entry], now: Sequence[Entr
 
     Args:
         library: as it is.
-        was: entries as whoever edits has seen them; they are replaced.
-        now: what stands in their place, or at the end where nothing is replaced.
+        was: the entries to replace, as the editor has seen them.
+        now: the new entries; they are appended where nothing is replaced.
 
     Raises:
         InputError: an entry of `was` is gone or was changed meanwhile, or a name is used twice.

@@ -1,4 +1,4 @@
-"""A plan: what each arm does, exactly as it will be sent; its proof; and what planning brings."""
+"""A plan: what each arm does, exactly as it will be sent; its proof; the result of a planning."""
 
 import enum
 import re
@@ -31,7 +31,7 @@ NO_PART = -1
 """`ArmPlan.detection` of an arm that takes no part."""
 
 STRATEGY_WORDS = ("auto", "alternated", "coordinated", "both", "single")
-"""What a request can ask for besides an arm by its name, so that no arm is called so."""
+"""Strategies other than the name of an arm; no arm may have such a name."""
 
 
 class Strategy(str):
@@ -87,9 +87,9 @@ class Guarantee(enum.StrEnum):
 class Leg:
     """One motion of one arm through waypoints.
 
-    `q` (n, dof) [rad], chain order, first row where the arm stands before; `t` (n,) [s] when
-    each waypoint is passed, counted from the leg's start.  `opening` [m] is that of the
-    fingers during the leg, `holding` whether the part travels in the hand.
+    `q` (n, dof) [rad] are the waypoints in chain order, the first at the start.  `t` (n,) [s] are
+    the times at the waypoints, from the start of the leg.  `opening` [m] is that of the fingers
+    during the leg; `holding` states whether the hand holds the part.
     """
 
     name: LegName
@@ -104,7 +104,7 @@ class Leg:
 
     @property
     def seconds(self) -> float:
-        """How long the leg takes."""
+        """Duration of the leg."""
         return float(self.t[-1])
 
     def at(self, t: float) -> Floats:
@@ -121,11 +121,11 @@ def are_in_step(legs: Sequence[Leg]) -> bool:
 class ArmPlan:
     """All that one arm does with one part: `detection` is an index into the plan's list.
 
-    It is `NO_PART`, and `grasp` empty, of an arm that takes its scanner to the view, or stirs,
-    takes another `tool`, or drops back what it holds: `held` (`tools.held_body.HeldAmount`).
-    `station` names where the part is put to be taken anew; empty: to a place.  `loads` are those of
-    tool and part, which the controller gets; None where the tool's mass is not known.  `found` is
-    the grip where the part's library has no grasp of this name.  `tcp` is the tool's; empty: first.
+    `detection` is `NO_PART` and `grasp` empty when an arm moves its scanner to the view, stirs,
+    changes to `tool`, or drops what it holds: `held` (`tools.held_body.HeldAmount`).
+    `station` names where the part is regrasped; empty: it goes to a place.  `loads` of tool and
+    part go to the controller; None if the tool's mass is unknown.  `found` is the grip if the
+    part's library has no such grasp.  `tcp` is the name of the tool's TCP; empty: the first.
     """
 
     arm: str
@@ -146,12 +146,12 @@ class ArmPlan:
 
     @property
     def takes_part(self) -> bool:
-        """Whether it takes a part, rather than its scanner to the view, a tool, or none."""
+        """Whether the arm takes a part."""
         return self.detection != NO_PART
 
     @property
     def seconds(self) -> float:
-        """How long the arm is at work."""
+        """Duration of all legs of the arm."""
         return sum(leg.seconds for leg in self.legs)
 
     def leg(self, name: str) -> Leg:
@@ -177,12 +177,12 @@ class Step:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Plan(FactsRepr):
-    """What will be sent, and all that it was made from.
+    """What will be sent, and everything from which it was made.
 
-    `detections` are all parts known in the bin: those taken and those that are obstacles;
-    `obstacles` is what the scan shows beside them.
+    `detections` are all known parts in the bin: those to be picked, and those that are obstacles.
+    `obstacles` are other objects in the scan.
     `scan_digest` is that of the scan, or of the detections when they came from a file.
-    `note` is a remark of whoever wrote the plan elsewhere, or of an older version.
+    `note` is a remark from another program or from an older version.
     `seconds` (stage -> computing time) and the planner's `notes` are not part of the digest.
     """
 
@@ -206,12 +206,12 @@ class Plan(FactsRepr):
 
     @property
     def remarks(self) -> tuple[Message, ...]:
-        """All that people should know of it: its note, and those of the planner."""
+        """All remarks for people: the plan's note, and those of the planner."""
         return (plain(self.note), *self.notes) if self.note else self.notes
 
     @property
     def goes_unseen(self) -> bool:
-        """Whether it may meet something that was not found, where the scan does not show it."""
+        """Whether it may collide with an object that the scan does not show."""
         return any(note.text is PlanNote.GOES_UNSEEN for note in self.notes)
 
     @property
@@ -261,7 +261,7 @@ class Plan(FactsRepr):
 
     @property
     def scene(self) -> Scene:
-        """What is in the bin by the plan's own word."""
+        """What is in the bin according to the plan."""
         return Scene(self.scan_digest, self.detections, self.obstacles)
 
     @property
@@ -274,10 +274,10 @@ class Plan(FactsRepr):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Violation:
-    """Something that a proof objects to: where, which pair, and how close [m].
+    """A violation found by a proof: where, which pair, and their distance [m].
 
-    `q` (n,) [rad] is the configuration of the arm there.  Where a proof is nearest to something
-    (`Proof.nearest`) is reported alike.
+    `q` (n,) [rad] is the configuration of the arm there.  `Proof.nearest` has the same form: the
+    place of the smallest clearance.
     """
 
     problem: Message
@@ -303,15 +303,15 @@ class Violation:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Proof(FactsRepr):
-    """What was checked again, independently of the planner, on what will be sent.
+    """Result of the independent check of the plan that will be sent.
 
-    - `checks`: how many states; between two of them no point of the robot moves further than its
+    - `checks`: number of states; between two of them no point of the robot moves further than its
       distance to the nearest obstacle allows, down to `resolution` [m]
-    - `zone`: corners were walked sharp, and rounded by so much; 0: it holds only where the robot
-      stops at every waypoint
-    - `clearance` [m], `nearest`: a lower bound over free legs, and where it is
+    - `zone`: largest rounding of corners that was checked, together with sharp corners; 0: the
+      proof holds only if the robot stops at every waypoint
+    - `clearance` [m], `nearest`: lower bound over all free legs, and its place
     - `clearances` (steps,) [m]: the same for each arm and leg after each waypoint, for the plot
-    - `apart` (steps,) [m]: the same of the arms at each waypoint, up to `claims.walk.FAR_SIGHT`
+    - `apart` (steps,) [m]: the same between the arms, up to `claims.walk.FAR_SIGHT`
     - `speeds`: bounds of the speed of points on each leg, in a cell that limits it
     """
 
@@ -364,13 +364,12 @@ class Proven:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class PlanResult(FactsRepr):
-    """What a planning job brings: every candidate judged, and the plan or why there is none.
+    """Result of a planning: all candidates with their verdicts, and the plan or why there is none.
 
-    `bound` [s] is what no plan for the same parts can be quicker than, by the candidates that work;
-    0 where it was not asked.  `beside` is what the other strategy brought, where both were asked
-    for.  `row` are plans to be carried out after the plan, one after the other, each proven in the
-    scene that those before leave; `row_ends` says why there are no more, None where as many were
-    found as were asked for.
+    `bound` [s] is a lower bound of the cycle time for the same parts, from the feasible candidates;
+    0: not computed.  `beside` is the result of the other strategy if both were requested.  `row`
+    are the plans that follow the plan, each proven in the scene that the plans before leave.
+    `row_ends` states why the row has no further plan; None: it has the requested length.
     """
 
     candidates: tuple[Candidate, ...]

@@ -17,9 +17,8 @@ TOGETHER = "+"
 """Joins the names of parts that fall into one pile."""
 
 FAILURES = ("missed", "crooked", "turned", "slipped")
-"""Kinds of failed picks: the fingers close on nothing, on a part that lies elsewhere, on one that
-lies there except for its roll, which the scan did not show, and that is not held so; or on one that
-weighs more than they hold, where force and friction are stated."""
+"""Kinds of failed picks: no part between the fingers; a part in another pose; a part whose unknown
+roll prevents the grip; a part too heavy for the grip, where force and friction are stated."""
 
 CHANGE_KINDS = ("fingers", "grasps", "lifts", "margins", "bin", "arms", "order", "tool")
 """Kinds of single changes of a cell that are tried where a bin does not empty."""
@@ -43,7 +42,7 @@ class Forecast:
 
 @dataclass(frozen=True, slots=True)
 class Predictions:
-    """The forecasts of one study of so many piles, made with the cell that has this digest."""
+    """Forecasts of one study, with its number of piles and the digest of its cell."""
 
     cell_digest: str
     piles: int
@@ -67,7 +66,7 @@ class PileTask:
     it, and what stays is reported without a nearest fix.  `picks`: plans in a row after one look,
     at most.  `recipe` is the number of the cell's recipe, 0 for none; `bin` the name of its bin.
     `stirs`: how often in a row a hand stirs where nothing can be taken; None: as the cell says.
-    `displaced` [m]: by so much a base of an assembly is shifted sideways once it was placed; if
+    `displaced` [m]: the sideways shift of an assembly's base after it was placed; if
     that is not 0, a kit is complete only if its parts mate.
     """
 
@@ -127,25 +126,32 @@ class LeftPart:
 
 @dataclass(frozen=True, slots=True)
 class EmptiedPile:
-    """What became of a pile.
+    """Result of emptying a pile in simulation.
 
-    Of `parts`, `taken` came out as planned; `failed` counts the failed picks by kind, in the order
-    of `FAILURES` (kinds that came later may be missing); `touches` the legs on which something met
-    that the plan held apart.  `knocked_out` are the parts that fell out of the bin, or that a hand
-    missed on a station; `cycles` are approvals: plans carried out, or rows of them; `scans` are
-    looks into the bin.
-    `motion_seconds` [s] is predicted by the plans; `planning` [s] was measured for every look;
-    `stages` [s] by stage in all, and `finding` [s] for the parts in the scans. `more` is how many
-    of those left come out by any grasp of the tool, None when nobody asked; `rolled` how many of
-    those taken had another roll than found, which the localizer had said. `outcomes` says of every
-    pick in turn what kind of failure it was, empty for a part taken. `beside` has for each look
-    that may be taken while the robot still moves how long that goes on [s] from when the scanner
-    sees, and how long finding and planning took for it [s].  `warned_picks` are those of plans that
-    say that the hand goes where something not found may go on unseen, `warned_touches` the touches
-    among these.  `holdable` of those left some hand fits at and holds as they lie, None when nobody
-    asked.  `kits` were completed, of how many that its parts make; None where the recipe fills
-    none.  A hand has stirred the parts `stirs` times.  `unmated` kits have a part that did not mate
-    with its base.
+    Attributes:
+        parts: number of parts in the pile.
+        taken: number of parts picked as planned.
+        failed: number of failed picks by kind, in the order of `FAILURES`; may be shorter.
+        touches: number of legs with a collision that the plan excluded.
+        knocked_out: number of parts that fell out of the bin, or that a hand missed on a station.
+        cycles: number of approvals, of a plan or of a row of plans.
+        scans: number of scans of the bin.
+        motion_seconds: planned duration of all motions [s].
+        left: parts that stayed in the bin.
+        planning: measured planning time for each scan [s].
+        stages: computing time by stage [s].
+        finding: computing time of all searches for parts [s].
+        more: remaining parts that some grasp of the tool can take; None: not computed.
+        rolled: picked parts with another roll than found, whose roll was reported as unknown.
+        outcomes: kind of failure of each pick, in order; empty for a success.
+        beside: for each scan during a motion: remaining time of the motion [s], and computing time
+            of search and planning [s].
+        warned_picks: picks with a warning that an object may extend unseen into the hand's path.
+        warned_touches: collisions of these picks.
+        holdable: remaining parts that a hand can reach and hold; None: not computed.
+        kits: number of completed kits, and of kits that the parts suffice for; None: no kits.
+        stirs: number of times that a hand stirred the parts.
+        unmated: number of kits with a part that did not mate with its base.
     """
 
     task: PileTask

@@ -1,4 +1,4 @@
-"""What lets a plan out to the robot, and what came back."""
+"""Approvals of plans, and the reports that the robot sends back."""
 
 import enum
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ SLOWEST = 0.05
 
 
 Manner = tuple[float, bool]
-"""How a plan goes out: at which share of its speed, and whether step by step."""
+"""How a plan is sent: at which share of its speed, and whether step by step."""
 
 AS_PLANNED: Manner = (1.0, False)
 
@@ -55,22 +55,22 @@ class Vote:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Approval:
-    """A named person's vote for exactly one plan, until `until` [s since the epoch].
+    """A person's approval of exactly one plan, valid until `until` [s since the epoch].
 
-    Where a cell wants several people, `before` are the votes of the others.  `is_unwatched`
-    says that the plan was not played before whoever approves it by a page.  `ran` is the digest of
-    the inventory of what ran there (`app.provenance`), empty where none was recorded.
+    If the cell requires several people, `before` are the votes of the others.  `is_unwatched`: the
+    page has not shown the plan to the person who approves it.  `ran` is the digest of the inventory
+    of the installation (`app.provenance`), empty where none was recorded.
 
-    The plan goes out at `speed_share` (`SLOWEST`..1) of the speed at which it was planned: every
-    motion takes this many times longer.  `is_stepped`: the robot waits before each step until a
-    person lets that one run.
+    The plan is sent at `speed_share` (`SLOWEST`..1) of its planned speed: every motion takes longer
+    by the inverse of this factor.  `is_stepped`: the robot waits before each step until a person
+    allows it.
 
-    It may be for a row of plans that go out one after the other: `row` names those after this one,
-    each by the digests of plan and proof.  What lets the next one out is `onward`, whose `first` is
-    the digest of the approval as it was given; empty for that one itself.
+    An approval may cover a row of plans: `row` names the following ones by the digests of plan and
+    proof.  `onward` is the approval of the next plan.  Its `first` is the digest of the approval
+    that the person gave; `first` is empty for that approval itself.
 
-    `is_switched_off`: nobody has approved this plan.  `actor` is the engineer who had switched
-    approval off, which a cell allows whose robot link sends poses alone.
+    `is_switched_off`: nobody has approved this plan.  `actor` is the engineer who switched approval
+    off, which a cell allows if its robot link sends only poses.
     """
 
     plan_digest: str
@@ -117,10 +117,10 @@ class Approval:
 
 
 class PickResult(enum.StrEnum):
-    """What became of a part that was sent for.
+    """Outcome of a pick.
 
-    `PICKED`: it came to its place; `FAILED`: the hand held nothing; `DROPPED`: it was lost on the
-    way, and may lie anywhere; `DOUBLE`: it came to its place, and a second part with it.
+    `PICKED`: the part is at its place.  `FAILED`: the hand held nothing.  `DROPPED`: the part was
+    lost on the way and may lie anywhere.  `DOUBLE`: a second part came to the place with it.
     """
 
     PICKED = "picked"
@@ -141,11 +141,11 @@ def result_of(is_picked: bool, result: PickResult | None) -> PickResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartReport:
-    """What became of one part, as the gripper's signal has it.
+    """Outcome of one pick according to the gripper's signal.
 
-    `detection` is an index into the plan's list.  `is_picked` is None while nobody knows: the
-    cycle broke off before the hand let go, or the protocol reports no parts.  `is_missed`: the grip
-    closed on nothing, so that the hand never held it.
+    `detection` is an index into the plan's list.  `is_picked` is None if unknown: the cycle broke
+    off before the release, or the protocol reports no parts.  `is_missed`: the grip closed on
+    nothing, so the hand never held the part.
     """
 
     arm: str
@@ -157,14 +157,13 @@ class PartReport:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Receipt:
-    """One message on the wire: what went out, and what the controller answered or said.
+    """One message between the link and the controller.
 
-    `at` [s since the epoch]; `kind` is a word of the link's own; `sent` the text without padding,
-    empty when the controller spoke unasked; `heard` its answer, empty where the protocol has none
-    or none came.  `done`, `total` count messages of the whole plan.  `part` is set when it reported
-    what became of a part; `waits` when it reported that it stands before that step of the plan,
-    counted from 1, and waits for a person's word.  `step` is the step that it reported to run,
-    counted from 1; 0 where it said nothing of that.
+    `at` [s since the epoch] is its time, `kind` a word of the link.  `sent` is the text without
+    padding, empty for a report of the controller.  `heard` is the answer, empty without one.
+    `done` and `total` count messages of the whole plan.  `part` is the reported outcome of a part.
+    `waits` is the step before which the robot waits for a person, `step` the step that runs, as
+    reported and counted from 1; 0: no report.
     """
 
     at: float
@@ -181,11 +180,12 @@ class Receipt:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinkStatus:
-    """How a connection for motion stands; times [s since the epoch].
+    """Status of a connection for motion; times [s since the epoch].
 
-    `phase` is what the controller says of itself, or `closed`; `acknowledged` its last
-    acknowledgement; `stopped` how long [s] it took to acknowledge a stop, None when it did not, and
-    `stop` is the message about it.  `joints` (arm -> (n,) [rad]) are the last reported there.
+    `phase` is the controller's state as it reports it, or `closed`; `acknowledged` the time of its
+    last acknowledgement.  `stopped` [s] is the time until it acknowledged a stop, None without
+    acknowledgement; `stop` is the message about it.  `joints` (arm -> (n,) [rad]) are the last
+    reported ones.
     """
 
     version: str = ""
@@ -202,11 +202,11 @@ class LinkStatus:
 
 @dataclass(frozen=True, slots=True)
 class RobotState:
-    """What a controller reports of itself beside the link for motion.
+    """State that a controller reports on a connection of its own.
 
-    `joints` [rad], chain order, and `openings` [m] by arm; `moving` the arm in motion or "";
-    `received` counts messages and `placed` the parts put down since it started.  `fault` is
-    empty when there is none.
+    `joints` [rad], chain order, and `openings` [m] are by arm; `moving` is the arm in motion or "".
+    `received` counts messages, `placed` the parts placed since its start.  `fault` is empty when
+    there is none.
     """
 
     joints: Mapping[str, tuple[float, ...]]

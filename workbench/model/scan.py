@@ -28,14 +28,13 @@ Option = bool | int | float | str
 class Scan(FactsRepr):
     """A point cloud in the scanner's frame.
 
-    `points` (n, 3) [m], all finite; when the scanner delivers an organised cloud, `pixels`
-    (n,) holds each point's place row * columns + column in an image of `resolution`
-    (columns, rows), otherwise both are None.  `at` is seconds since the epoch, for people:
-    it is not part of the digest, so the same points are the same scan.  `colours` (n, 3) are red,
-    green and blue of each point, 0 to 255 as sRGB has them, None where the scanner gives none.
-    `joints` (name -> rad, m) is how the robot stood where an arm carries the scanner, which
-    `T_world_scanner` follows from; None where the scanner stands, or nobody knows.  `views` are
-    those that it is merged from, the last one taken at `joints` (`derived.by_view`).
+    `points` (n, 3) [m] are finite.  In an organised cloud, `pixels` (n,) holds the index
+    row * columns + column of each point in an image of `resolution` (columns, rows); otherwise both
+    are None.  `at` [s since the epoch] is for people and not part of the digest: the same points
+    are the same scan.  `colours` (n, 3) are sRGB values, 0..255, None without colours.
+    `joints` (name -> rad, m) are the joints at the time of the scan if an arm carries the scanner;
+    `T_world_scanner` follows from them.  They are None for a fixed scanner, or when unknown.
+    `views` are the scans that were merged; `joints` belong to the last (`derived.by_view`).
     """
 
     points: Floats
@@ -90,21 +89,19 @@ class Scan(FactsRepr):
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Detection(FactsRepr):
-    """One part found: its pose, and how much speaks for and against it.
+    """One part found: its pose, and how reliable it is.
 
-    `score` 0..1; `visible` 0..1, the fraction of the surface facing the scanner that was
-    seen; `gap` the score by which it beats the second-best different pose of the same object
-    (None when there was no other, or for poses from outside).  `roll_known` False: the scan
-    does not show the angle about the part's near-symmetry axis, and `roll_axis` (2, 3), a point
-    [m] and a unit direction in the part's frame, is that axis; None: the one that the part's
-    symmetry states.  `covariance` (6, 6) [m, rad] is that of shifts of the part's origin, then of
-    turns about it, along the world's axes; `probability` the chance that it is right; both None
-    for poses from outside.  `T_world_found` is where the scan has it, of a part that a plan before
-    has put where it is now; None where it lies as it was found.  `by_colour` True: kind and turn
-    are those that the colours show, where shape leaves several; False: they should have reported it
-    and do not, so that it is by shape alone; None: nothing was left to them.  `placing` is how far
-    it may be off, of a part that a hand has put into an assembly or onto a station.  `T_world_seen`
-    is where a scan has shown such a part last since it was placed; None where none has.
+    `score` is 0..1; `visible` 0..1 is the seen share of the surface that faces the scanner.  `gap`
+    is the lead in score over the second-best pose of the same object, None without one.
+    `roll_known` False: the scan does not show the angle about the near-symmetry axis.  This is
+    `roll_axis` (2, 3), a point [m] and a unit direction in the part's frame; None: that of the
+    part's symmetry.  `covariance` (6, 6) [m, rad] is that of shifts of the part's origin, then of
+    rotations about it, along the world's axes.  `probability` is the chance that the pose is right.
+    For poses from outside `gap`, `covariance` and `probability` are None.  `by_colour` True: colour
+    decides kind or rotation, which shape leaves open; False: colour should decide and does not;
+    None: shape decides.  For a part that an earlier plan has moved, `T_world_found` is its pose in
+    the scan; otherwise None.  For a part in an assembly or on a station, `placing` is its possible
+    error, and `T_world_seen` its pose in the latest scan since; None: not seen since.
     """
 
     part: str
@@ -187,7 +184,7 @@ class Objection(enum.StrEnum):
 class RejectedHypothesis:
     """A hypothesis, and why it is not among the detections.
 
-    `score` as that of a detection; `rival` counts the detections from 0: the one that it lost to.
+    `score` is as in a detection; `rival` is the index of the detection that was preferred.
     """
 
     part: str
@@ -215,9 +212,9 @@ distance [m]; both also by this many standard deviations."""
 
 @dataclass(frozen=True, slots=True)
 class ScaleCheck:
-    """How large a kind of part is in a scan over its CAD file: `ratio`, with its `deviation`.
+    """Size of a kind of part in a scan relative to its CAD file: `ratio`, with its `deviation`.
 
-    `count` parts found told it.
+    It is measured on `count` parts.
     """
 
     part: str
@@ -242,9 +239,9 @@ class ScaleCheck:
 
 @dataclass(frozen=True, slots=True)
 class OffsetCheck:
-    """How far the surface of a kind of part lies outside of its CAD file in a scan.
+    """Distance of a kind of part's surface in a scan from its CAD file.
 
-    `offset` [m] is negative where it lies inside, `deviation` [m]; `count` parts found show it.
+    `offset` [m] is positive outside, with its `deviation` [m].  It is measured on `count` parts.
     """
 
     part: str
@@ -268,10 +265,10 @@ class OffsetCheck:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LocalizationResult(FactsRepr):
-    """What a search brought: the parts, best first, and the best of what was rejected.
+    """Result of a search: the parts, best first, and the best rejected hypotheses.
 
-    `scales` are of those kinds of which enough is seen to tell their size, `offsets` of those with
-    a surface that lies off.
+    `scales` are those of kinds seen well enough to measure their size, `offsets` those of kinds
+    whose surface differs from the CAD file.
     """
 
     detections: tuple[Detection, ...]
@@ -290,15 +287,14 @@ class LocalizationResult(FactsRepr):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Obstacle:
-    """Something in a scan that nothing known explains, as an upright box around it.
+    """An unknown object in a scan, as an upright box around it.
 
     `size` (3,) [m]: full lengths along the axes of the box, whose frame lies in its middle.
 
-    Where it is around a part that was put onto a pallet in layers, or into an assembly, and surely
-    is there, `part` is its kind, and `T_world_put` where the hand has let go of it: the box is
-    where it has fallen to.  In an assembly (`derived.assembling`) the part's own shape counts
-    instead of the box.  `seen` is what a scan shows of it, where the next part has to come to where
-    that is seen; then the box is there.
+    It can also be a part that surely is on a pallet with layers, or in an assembly.  Then `part` is
+    its kind, and `T_world_put` the pose of its release; the box is where the part came to rest.  In
+    an assembly (`derived.assembling`) the part's own shape counts instead of the box.  `seen` is
+    the part in a scan, if the next part must fit to it as seen; then the box is there.
     """
 
     T_world_box: pin.SE3
@@ -323,10 +319,10 @@ class Obstacle:
 
 @dataclass(frozen=True, slots=True)
 class Unexplained:
-    """Upright boxes around things that nothing known explains.
+    """Upright boxes around unknown objects.
 
-    `seen` are around what a scan shows of them; `unseen`, where the parts found hide what is
-    behind them, around where these things may go on.
+    `seen` are around the points of the objects, `unseen` around hidden space into which the
+    objects may extend.
     """
 
     seen: tuple[Obstacle, ...] = ()
@@ -356,8 +352,8 @@ class LocalizerChoice:
 class SearchOverrides:
     """How one search differs from the usual.
 
-    `detail` is how fine the scan is searched, 1 being usual: finer finds small features and takes
-    longer.  Parts with a score below `least_score` are not taken.
+    `detail` is the resolution of the search relative to the usual: a finer search finds small
+    features and takes longer.  Parts with a score below `least_score` are not used.
     """
 
     detail: float = 1.0
@@ -389,7 +385,7 @@ class Remark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """What is known to be in the bin: the parts found, and what else the scan shows.
+    """Content of the bin: the detections, and other objects in the scan.
 
     `scan_digest` is that of the scan, or of the detections when they came from a file.
     """

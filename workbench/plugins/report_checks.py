@@ -152,10 +152,10 @@ class Receipts:
         self._last = receipt
 
     def check_end(self) -> None:
-        """Refuse an end before everything that was sent is told to be done.
+        """Refuse an end before the controller has reported everything that was sent as done.
 
         Raises:
-            ProtocolError: says what is missing.
+            ProtocolError: states what is missing.
         """
         last, link = self._last, self._motion.link
         if last is None or last.done != last.total:

@@ -13,9 +13,9 @@ ENTRY_POINTS: Group = "workbench.tools"
 class ToolKind(Protocol):
     """A make of gripper.
 
-    A class with this interface; `Options` is the dataclass of the keys that stand in the cell file
-    under `[tool.options]` (`plugins.options`), where lengths are in mm and angles in degrees, as
-    everywhere in cell files.
+    A class with this interface.  `Options` is the dataclass of the keys under `[tool.options]` in
+    the cell file (`plugins.options`).  There lengths are in mm and angles in degrees, as everywhere
+    in cell files.
     """
 
     Options: type

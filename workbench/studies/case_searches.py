@@ -25,11 +25,11 @@ measurement has confirmed.
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """Detections against what a person says: `is_right` of each part that lies there.
+    """Detections compared with a person's corrections; `is_right` for each real part.
 
-    `wrong` detections are where one was called wrong (removed, or moved by more than the limits of
-    the study on simulated piles), at a part that a better one has taken; or
-    elsewhere in a scan in which nothing else lies; otherwise those elsewhere are `unjudged`.
+    A detection is `wrong` where the person removed a detection, or moved it by more than the limits
+    of the study on simulated piles.  It is also wrong at a part that a better detection has, and
+    elsewhere if the scan shows nothing else.  Otherwise detections elsewhere are `unjudged`.
     """
 
     is_right: tuple[bool, ...] = ()
@@ -38,12 +38,12 @@ class Tally:
 
     @property
     def right(self) -> int:
-        """This many parts are found rightly."""
+        """Number of parts found correctly."""
         return sum(self.is_right)
 
     @property
     def missed(self) -> int:
-        """This many parts lie there and are not found, or not rightly."""
+        """Number of real parts not found, or not correctly."""
         return len(self.is_right) - self.right
 
 

@@ -39,8 +39,8 @@ MOST_ROUNDS = 6
 """Of parts that fall in the place of those that came to nothing."""
 
 SLIPS, TIPS, LOST = 0.001, float(np.deg2rad(2.0)), 0.02
-"""[m, rad] A part that moves so far in the closed hand slips, one that turns so far tips; [m] and
-one that moves so far is lost."""
+"""Limits of a part's motion in the closed hand: from there on it slips [m], tips [rad], or is lost
+[m]."""
 
 
 STAYS = 0.0005, float(np.deg2rad(0.5))

@@ -13,7 +13,7 @@ from workbench.plugins.progress import never, silent
 from workbench.testing.options import check_options
 
 RIGHT_WITHIN = 0.01
-"""[m] So far a part that was found may lie from one that is there."""
+"""Largest distance [m] of a found part from a real part."""
 
 
 def check_localizer(

@@ -23,7 +23,7 @@ from workbench.plugins.robot_link import (
 from workbench.testing.options import check_options
 
 LONGEST_WAIT = 120.0
-"""[s] For what has to come at some time; only a link that hangs takes so long."""
+"""[s] Timeout of everything that must come; only a link that hangs reaches it."""
 
 
 @contextmanager
@@ -58,15 +58,15 @@ def simulated(
 def check_robot_link(
     link: RobotLink, cell: Cell, plan: Plan, approval: Approval, host: str = "127.0.0.1"
 ) -> None:
-    """A link sends what was approved, all of it, once; stops when it is told to; and says so.
+    """A link sends the whole approved plan once, stops on command, and reports both.
 
     Args:
-        link: an object of the class that is declared.
-        cell: spoken to by this link.
-        plan: with a proof that holds, made for this cell.
-        approval: that lets it out, valid now.
-        host: where the simulated controller listens; one whose ports cannot be chosen has an
-            address of its own, 127.x.y.z, where several run at a time.
+        link: an object of the declared class.
+        cell: a cell that uses this link.
+        plan: a plan for this cell with a valid proof.
+        approval: the plan's approval, valid now.
+        host: address of the simulated controller.  If its ports are fixed, and several run at a
+            time, it needs its own address 127.x.y.z.
     """
     assert cell.controller.motion == motion_of(link, cell.controller.options), (
         "the cell has to be spoken to by this link"
@@ -124,7 +124,7 @@ def _check_receipts(link: RobotLink, plan: Plan, receipts: list[Receipt]) -> Non
 
 
 def _check_states(link: RobotLink, plan: Plan, cell: Cell, receipts: list[Receipt]) -> None:
-    """What is reported can be, and somebody tells what became of parts, or it is said of nobody."""
+    """Reported states are possible; outcomes of parts are reported, unless the link never does."""
     began = time.monotonic()
     reports = states(cell, lambda: time.monotonic() - began > LONGEST_WAIT)
     has_outcome = any(receipt.part is not None for receipt in receipts)

@@ -1,8 +1,8 @@
 """Finds what the page shows in the sources; `python -m workbench.words.extract` updates catalogs.
 
-There are no marks in the code.  A text on the page is a literal of the page, of the front door, or
-a sentence of a layer below that reaches the page as a refusal, a reason or a note.  So this takes
-literals, and leaves out code, styles and names by their form.  A text with values in it has an id
+The code has no marks for this.  A text on the page is a literal of the page or of the login page,
+or a sentence of a lower layer: a refusal, a reason or a note.  So this takes literals, and leaves
+out code, styles and names by their form.  A text with values has an id
 (`workbench.model.messages`), so literals with values are left out, too.
 """
 

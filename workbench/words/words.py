@@ -57,9 +57,9 @@ class Words:
         self._stop = "。" if language == "zh" else "."
 
     def render(self, message: Message | str | None) -> str:
-        """A message in this language, by its id; of none an empty text.
+        """A message in this language, by its id; without a message an empty text.
 
-        A text without an id is looked for as `say` does.
+        A text without an id is translated as by `say`.
         """
         if not message:
             return ""

@@ -162,7 +162,7 @@ def test_coverage_of_a_cell_that_was_changed_meanwhile_is_not_shown(bench, visit
     monkeypatch.setattr(workbench.gui.grasps.coverage, "coverage_texts", lambda found: ["90 %"])
     controls._work()
     controls.show(editing.part, problem="")
-    assert "Not looked at since" in controls._line.content
+    assert "Not checked since" in controls._line.content
 
 
 def test_nobody_goes_on_looking_for_who_has_gone(visitor):

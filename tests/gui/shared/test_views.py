@@ -195,7 +195,7 @@ def test_who_is_missing_is_told(states):
     one_more = replace(two, votes=(vote,))
     text = approval_line(one_more, vote.at + 60, "")
     assert "By Anna until 08:58:20 UTC, waiting for 1 more person." in text
-    assert "so far Anna" in facts_html(one_more, {}, vote.at)
+    assert "approved: Anna" in facts_html(one_more, {}, vote.at)
     assert "2 approvals are needed." in approval_line(one_more, vote.at + 300, "")
 
 

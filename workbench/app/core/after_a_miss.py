@@ -1,7 +1,7 @@
-"""After a grip that closed on nothing: whether the other parts of the same scan can be planned for.
+"""After a grip that closed on nothing: whether other parts of the same scan can be planned for.
 
-The robot itself has to report the miss, and nothing else may be in doubt.  Then only the missed
-part and what it may have fallen onto lie otherwise: these are obstacles, and no detections.
+The robot must report the miss, and nothing else may be in doubt.  Then only the missed part, and
+parts onto which it may have fallen, may have moved.  These become obstacles.
 """
 
 from dataclasses import replace
@@ -16,7 +16,7 @@ from workbench.model.release import PickResult
 
 
 def is_sure(state: State, ended: SendingEnd) -> bool:
-    """Whether a miss is all that has gone wrong with the plan, as far as the robot can report.
+    """Whether the robot reports nothing wrong with the plan except a miss.
 
     Args:
         state: while the plan was sent, whose end it is.
@@ -72,7 +72,7 @@ def is_rest_known(state: State) -> bool:
 
 
 def with_rest(state: State) -> State:
-    """The state with the parts that lie as scanned; the others are in the way somewhere."""
+    """The state with the parts that lie as scanned; the others become obstacles."""
     if state.plan is None or state.may_have_moved is None:
         return state
     picked = {part.detection for part in state.part_reports if part.is_picked}

@@ -27,13 +27,13 @@ Decision = tuple[State, tuple[Effect, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Right:
-    """When a command is in order; `says` names it in refusals, `otherwise` what is missing.
+    """When a command is allowed; `says` names it in refusals, `otherwise` states what is missing.
 
-    People give commands, except those `by_machine`; those `by_anybody` come from both.  `also_by`
-    is the one machine that may give a command of people.  `role` is the least one that a person
-    needs.  While somebody is in control, a command is theirs alone unless it passes
-    `without_control`.  One that `changes_cell` has to wait while a recipe is chosen,
-    one that `plans` while nobody knows which tool an arm carries.
+    People give commands, except those `by_machine`; commands `by_anybody` come from both.
+    `also_by` is the only machine that may give a command of people.  `role` is the lowest role that
+    a person needs.  While a person is in control, only that person may give commands, except those
+    `without_control`.  A command that `changes_cell` is refused while a recipe is chosen, a command
+    that `plans` while the tool of an arm is unknown.
     """
 
     says: CommandText
@@ -51,10 +51,10 @@ class Right:
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """Who asks for a command, when, and how the robot stands.
+    """Who requests a command, when, and where the robot is.
 
-    `actor` is a person's name or one of `MACHINES`, `now` in seconds since the epoch, `joints` the
-    robot's own report (name -> rad), empty when it reports none.
+    `actor` is the name of a person, or one of `MACHINES`; `now` is in seconds since the epoch.
+    `joints` are the positions that the robot reports (name -> rad), empty when it reports none.
     """
 
     actor: str
@@ -83,7 +83,7 @@ class Command(ABC):
 
     # Most commands have nothing to check but who gives them, and when.
     def check(self, state: State, asked: Asked) -> None:  # noqa: B027
-        """Look whether the values fit the state.
+        """Check that the values fit the state.
 
         Raises:
             CommandRefused: they do not, with a sentence for who asked.
@@ -91,17 +91,16 @@ class Command(ABC):
 
     @abstractmethod
     def apply(self, state: State, entry: "Entry") -> Decision:
-        """The state after the command, which `check` has let pass; a pure function."""
+        """The state after the command, which `check` has allowed; a pure function."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Entry:
-    """A command with its number, its time [s since the epoch] and who gave it, in which role.
+    """A command with its number, its time [s since the epoch], its author and the author's role.
 
-    The only place where clock, user and the robot's pose enter: what follows from an entry is
-    computed.  `joints` (name -> rad) is how the robot stood by its own report when a plan was
-    approved or sent, or a drop back asked for; empty for other commands and where nothing was
-    reported.  A machine's `role` says nothing.
+    Clock, user and the robot's pose enter only here; everything else is computed from entries.
+    `joints` (name -> rad) are the reported joints at an approval, a sending or a drop back.  They
+    are empty for other commands and without a report.  The `role` of a machine has no meaning.
     """
 
     number: int

@@ -1,9 +1,9 @@
-"""Whether a command may happen now, and what it does to the state: two pure functions.
+"""Whether a command is allowed now, and how it changes the state: two pure functions.
 
     idle -> scanned -> localized -> planned -> approved -> sending -> done | fault
 
-Given the same state and entry, the outcome is the same on every machine at any time, so a journal
-of entries is the history of states.
+The same state and entry give the same result on every machine at any time.  So a journal of
+entries is the history of states.
 """
 
 from collections.abc import Mapping
@@ -30,7 +30,7 @@ def check_allowed(
     joints: Mapping[str, float] = NOT_REPORTED,
     role: Role = Role.ENGINEER,
 ) -> None:
-    """Let a command pass, or say why not.
+    """Check that a command is allowed now.
 
     Args:
         state: as it is.

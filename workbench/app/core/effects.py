@@ -33,8 +33,8 @@ class StopJob:
 class Send:
     """Send a plan to the robot; answered by `Sent` for each message and one `LinkEnded`.
 
-    `following` is what may go out after it, in a row: its end is told when the robot is reported to
-    stand where that one starts.
+    `following` is the next plan of the row.  The sending has ended when the robot reports that it
+    stands at the start of that plan.
     """
 
     plan: Plan
@@ -56,7 +56,7 @@ class StopSending:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UseCell:
-    """Jobs and robot link go on with this cell."""
+    """Jobs and robot link use this cell from now on."""
 
     cell: Cell
 

@@ -1,4 +1,4 @@
-"""Which hands may hold a part that they should not, by what was sent last and what came of it."""
+"""Which hands may hold a part that they should not, by the last sending and its outcome."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,10 +18,10 @@ def last_sent(state: State) -> tuple[Plan, ...]:
 
 
 def may_hold(state: State) -> bool:
-    """Whether a hand may hold something that it should not, by what was sent last.
+    """Whether a hand may hold something that it should not, by the last sending.
 
-    So it is after a fault, and where a part was not picked alone, until it was dropped back or
-    parts were sent for anew.
+    This is so after a fault, and after a pick of two parts, until a drop back or the next sending
+    of a pick.
     """
     if state.hands_open and state.phase not in (Phase.SENDING, Phase.FAULT):
         return True
@@ -32,7 +32,7 @@ def may_hold(state: State) -> bool:
 
 
 def is_drop_next(state: State) -> bool:
-    """Whether a drop back is what comes next: after a fault, and where a second part came."""
+    """Whether a drop back comes next: after a fault, and after a pick of two parts."""
     if state.phase not in (Phase.IDLE, Phase.DONE):
         return False
     # A fault that was acknowledged leaves what was sent behind.
@@ -42,15 +42,15 @@ def is_drop_next(state: State) -> bool:
 
 
 def arms_that_may_hold(state: State) -> frozenset[str]:
-    """The arms that have taken a part of which nobody has stated that it left the hand."""
+    """The arms that may still hold a part, since nobody has stated that it left the hand."""
     return frozenset((*state.hands_open, *_still_holding(state)))
 
 
 def _still_holding(state: State) -> Iterator[str]:
-    """Those of them that were sent for parts last.
+    """The arms of the last sending that may still hold a part.
 
-    A gripper that has felt a part says nothing of its place, nor does who saw it picked while the
-    robot moved.  A plan that has ended without a fault has let go of its parts.
+    A gripper's report of a part does not show that the part was placed, nor does a person's report
+    during the motion.  A plan that has ended without a fault has let go of its parts.
     """
     sent = sent_for(state)
     if sent is None or not sent.plans:
@@ -70,9 +70,13 @@ def _still_holding(state: State) -> Iterator[str]:
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """A part that was sent for last, by its index in the first plan, and the arm for it.
+    """A part of the last sending.
 
-    `is_over`: its plan has ended without a fault.  `outcome`: as far as somebody has stated one.
+    Attributes:
+        number: index of the part in the first plan.
+        arm: name of the arm that picks it.
+        is_over: whether its plan has ended without a fault.
+        outcome: outcome of the pick, if stated.
     """
 
     number: int
@@ -82,7 +86,7 @@ class Taken:
 
 
 def parts_taken_last(state: State) -> Iterator[Taken]:
-    """Each part that was sent for last."""
+    """Each part of the last sending."""
     sent = sent_for(state)
     has_moved = state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
     if sent is None or not sent.plans or not (has_moved or is_remembered(state)):
@@ -95,5 +99,5 @@ def parts_taken_last(state: State) -> Iterator[Taken]:
 
 
 def _parts_not_let_go(state: State) -> Iterator[Taken]:
-    """Those of them whose arm has not dropped back what it held since, nor was seen empty."""
+    """The parts whose arm has not dropped them back since, nor was confirmed to be empty."""
     return (taken for taken in parts_taken_last(state) if taken.arm not in state.hands_emptied)

@@ -1,4 +1,4 @@
-"""People, and machines beside them: who asks for what, what they are there for, and control."""
+"""People and machines that give commands, their roles, and who is in control."""
 
 import unicodedata
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ NOBODY = "operator"
 
 
 class Role(StrEnum):
-    """What a person is there for; each may do all that the one before may."""
+    """What a person may do; each role includes the one before."""
 
     VIEWER = "viewer"
     """Looks."""
@@ -53,7 +53,7 @@ class Role(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Person:
-    """Somebody who has said who they are."""
+    """A person with a name."""
 
     name: str
     role: Role

@@ -1,4 +1,4 @@
-"""What was sent, how that has ended, what became of each part, and which parts are avoided."""
+"""What was sent, how the sending ended, the outcome of each pick, and which parts are avoided."""
 
 from dataclasses import dataclass, field
 
@@ -13,7 +13,7 @@ from workbench.model.scan import Detection
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulatedPile:
-    """The pile that a simulated scan shows: what fell into a bin, and what was taken since.
+    """The pile that a simulated scan shows: parts that fell into a bin, without those taken since.
 
     `seed`, `parts` and `part` are those of the scan, `lifted` the poses `T_world_part` of the parts
     that were taken out, in order.
@@ -38,10 +38,10 @@ class SimulatedPile:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """What became of a part of the plan, and who says so; `detection` is its index there.
+    """Outcome of a pick, reported by `by`; `detection` is the part's index in the plan.
 
-    `result` says more than `is_picked`; None where nobody has said more.  `is_early`: it was stated
-    while the robot moved, so a part that was picked may still have been in the hand.
+    `result` is more detailed than `is_picked`; None: no details.  `is_early`: reported while the
+    robot moved, so a picked part may still be in the hand.
     """
 
     detection: int
@@ -59,7 +59,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Avoided:
-    """Where a pick has failed: a part of that kind there is left alone for a while.
+    """Place of a failed pick: a part of that kind there is not picked for a while.
 
     `p_bin` (3,) [m] in the frame of the bin of name `bin`; it ends at `until` [s since the epoch],
     or earlier, when `scans` more scans of that bin were taken.
@@ -75,7 +75,7 @@ class Avoided:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SentFor:
-    """The plans that were sent, in order, and what people and grippers said of their parts.
+    """The plans that were sent, in order, and the outcomes that people and grippers reported.
 
     Each outcome names its part by the index in the first plan.  `is_over`: the last plan has ended
     without a fault.  `placed` parts came to their places.
@@ -91,10 +91,9 @@ class SentFor:
 class SendingEnd:
     """How a sending has ended.  `fault` is empty when the controller reported the end.
 
-    `parts` says of each part of the plan what the controller reported of it; `placed` are the parts
-    that lie on pallets now, or may lie there, None as long as nobody has worked that out.
-    `row_ends` says why no plan of a row may follow, as the link or the bench knows it.
-    `may_have_moved` as in `State`, None as long as nobody has worked that out.
+    `parts` are the controller's reports on the parts.  `placed` are the parts that lie on pallets
+    now, or may lie there; None: not yet computed.  `row_ends` states why no plan of the row may
+    follow, from the link or the bench.  `may_have_moved` is as in `State`; None: not yet computed.
     """
 
     fault: Message | str = ""

@@ -1,4 +1,4 @@
-"""Whether a kind of command is in order now, and whose it is; the page asks it for every button."""
+"""Whether a kind of command is allowed now, and to whom; the page asks this for every button."""
 
 from collections.abc import Mapping
 
@@ -12,7 +12,7 @@ from workbench.model.messages.states import NextText, task_message
 from workbench.model.recipes.recipe import NO_RECIPE
 
 MOST_SAID = 3
-"""So many changes are told in a sentence; the page has the whole list."""
+"""Largest number of changes in a sentence; the page has the whole list."""
 
 NEXT: Mapping[Phase, NextText] = {
     Phase.IDLE: NextText.SCAN,
@@ -27,10 +27,10 @@ NEXT: Mapping[Phase, NextText] = {
 
 
 def obstacle(state: State, command: type[Command]) -> Message | None:
-    """Why a command of this type is not in order now; None when it is.
+    """Why a command of this type is not allowed now; None when it is.
 
-    It looks at phase, running task and changes since the start before only, so the page can ask
-    it for every button.
+    It checks only phase, running job and unacknowledged changes, so the page can ask it for every
+    button.
     """
     right = command.right
     # What runs while something is sent is of the next cycle, and holds up nothing of this one.
@@ -49,7 +49,7 @@ def obstacle(state: State, command: type[Command]) -> Message | None:
 
 
 def changes_said(state: State) -> Message:
-    """What has changed since the start before and nobody has acknowledged, in one sentence."""
+    """The changes since the start before that nobody has acknowledged, in one sentence."""
     first, more = state.changed[:MOST_SAID], len(state.changed) - MOST_SAID
     changes = all_of(map(as_message, first)) or plain("")
     if more > 0:
@@ -58,7 +58,7 @@ def changes_said(state: State) -> Message:
 
 
 def what_is_missing(state: State, command: type[Command]) -> Message | None:
-    """What has to be done before a command of this type is in order; None when nothing."""
+    """What must happen before a command of this type is allowed; None when nothing."""
     right = command.right
     if command.is_in_phase(state):
         return None
@@ -71,7 +71,7 @@ def what_is_missing(state: State, command: type[Command]) -> Message | None:
 def lacks_right(state: State, command: type[Command], actor: str, role: Role) -> Message | None:
     """Why this person may not give a command of this type now; None when they may.
 
-    Like `obstacle` it looks at nothing but the type, so the page can ask it for every button.
+    Like `obstacle` it depends only on the type, so the page can ask it for every button.
 
     Args:
         state: says who is in control.

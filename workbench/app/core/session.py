@@ -128,9 +128,9 @@ def apply_start(state: State, start: Started) -> State:
 
 
 def opened_again(state: State) -> State:
-    """The state of a session that a bench goes on with, which may be a copy of it elsewhere.
+    """The state of a session that a bench continues, possibly a copy of it elsewhere.
 
-    Nobody there has seen the plan or let it out: what was said before was said to another bench.
+    Views and approvals of the plan are void: they were given at another bench.
     """
     had, message = state.votes or state.approval or state.watched, state.message
     if had and state.phase in (Phase.PLANNED, Phase.APPROVED):
@@ -141,9 +141,9 @@ def opened_again(state: State) -> State:
 
 
 def _unstated(state: State) -> tuple[str, ...]:
-    """The arms of which nobody knows after a start which tool they carry: those with slots.
+    """The arms whose tool is unknown after a start: those with tool slots.
 
-    A robot that is simulated from this start on begins with what the cell file states.
+    A robot that is simulated from this start on carries the tools of the cell file.
     """
     if state.cell.controller.is_simulated:
         return state.tools_unknown
@@ -152,7 +152,7 @@ def _unstated(state: State) -> tuple[str, ...]:
 
 
 def changes_problem(state: State, ran: str) -> Message | None:
-    """Why changes cannot be acknowledged by who has seen the inventory `ran`; else None."""
+    """Why a person who saw the inventory `ran` cannot acknowledge the changes; else None."""
     if not state.changed or state.ran is None:
         return ChangeRefusal.NOTHING_CHANGED()
     if state.ran.digest != ran:
@@ -162,6 +162,6 @@ def changes_problem(state: State, ran: str) -> Message | None:
 
 
 def acknowledge_changes(state: State, actor: str) -> State:
-    """The state after somebody has acknowledged what has changed."""
+    """The state after a person has acknowledged the changes."""
     message = StateText.CHANGES_ACKNOWLEDGED(person=actor, since=state.changed_since)
     return replace(state, changed=(), changed_since="", message=message)

@@ -39,13 +39,19 @@ class Phase(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Job:
-    """Long work under way in the worker process.
+    """A long computation that runs in the worker process.
 
-    `number` is that of the entry that began it, `at` [s since the epoch] when.  A planning has its
-    `strategy`, `threshold` [m], `seed`, and as `planning` what it wants otherwise than the cell; a
-    search its `seed` and `overrides`, and `is_compared`: what it finds is not taken at once.
-    `then`: what it brings is gone on with, as is wanted there; None where a person decides.
-    `arm` is for which a tool is made, `by` who has a part corrected, `pile` what a scan shows.
+    Attributes:
+        number: number of the journal entry that started the job.
+        at: start time [s since the epoch].
+        threshold: distance of two parts [m] from which both arms may work at once.
+        overrides: parameters of a search that replace those of the cell.
+        planning: parameters of a planning that replace those of the cell.
+        is_compared: whether a search is only listed until a person decides to use it.
+        then: command that continues the cycle with the result; None: a person decides.
+        arm: arm that gets the tool, when a tool is designed.
+        by: person who requested the correction of a part.
+        pile: pile that a simulated scan shows.
     """
 
     number: int
@@ -65,12 +71,17 @@ class Job:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outline:
-    """What came of one planning, to be compared with the next.
+    """Summary of one planning result, for comparison with others.
 
-    `planning` and `cycle` [s]; `apart` [m] the smallest distance between the arms; `verdict` says
-    why there is no plan, or what speaks against it.  Of so many `plans` in a row all this is that
-    of all together, `digest` that of the first one.  Who asks for it again by the strategy
-    `asked`, with `threshold` [m], `seed` and `overrides`, gets the same plan.
+    For a row of several plans the figures are those of the whole row, `digest` that of its first
+    plan.  The same `asked`, `threshold`, `seed` and `overrides` give the same plan again.
+
+    Attributes:
+        planning: computing time [s].
+        cycle: duration of the motion [s].
+        apart: smallest distance between the arms [m]; `clearance` [m] is that to obstacles.
+        verdict: why there is no plan, or what is wrong with it.
+        asked: strategy of the request; `strategy` is that of the plan.
     """
 
     planner: str
@@ -92,10 +103,9 @@ class Outline:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ahead:
-    """What is worked on for the next cycle while a plan is sent.
+    """Work for the next cycle, which the command `wanted` starts while a plan is sent.
 
-    `wanted` says how it is gone on; `brought` are the tasks that have ended, each with its result
-    and when that came [s since the epoch].
+    `brought` holds the finished jobs with their results and end times [s since the epoch].
     """
 
     wanted: "GoOn"
@@ -103,7 +113,7 @@ class Ahead:
 
 
 class EditedCell(NamedTuple):
-    """A cell that an undo or a redo goes back to, and the change that is undone or made again."""
+    """A cell that an undo or a redo restores, and the change that it undoes or repeats."""
 
     cell: Cell
     change: Message
@@ -111,42 +121,37 @@ class EditedCell(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class SessionState:
-    """What only the end of the session ends.
+    """State that lasts for the whole session.
 
-    `number` is that of the last entry.  `before` are the cells that an undo goes back to, the last
-    one first to be taken, `undone` those of a redo; `saved` is the digest of the cell as its file
-    has it, and `cell_problem` says why the file cannot be used as it is now.
-    `placed` are parts on pallets, in the order in which they were put there; one with a score of 0
-    may be there, or not, since a fault or since its pick has failed.  `failures` counts failed
-    picks in a row, over all cycles, and `avoided` says where.
-    `observations` are those of a calibration that is being made.
-    `emptying` is what came of the piles that were emptied in simulation last, in whichever cell.
-    `ran` is what runs since the last start; `changed` says how that differs from the start before,
-    the session `changed_since`, until somebody has acknowledged it.
-    `control` is the name of who is in control, empty while nobody is; `asking` are those who have
-    asked for it, the first one first.
-    `unscanned` is what was sent where no scan has followed and the plan is gone already: after a
-    fault that was acknowledged, or another cell.
-    `whole` is the cell as its file has it while a recipe or another than its first bin is chosen;
-    `cell` is the cell by these.
-    `unapproved_by` is the engineer who has switched approval off, empty while it is on; it counts
-    only while the robot link sends poses alone.
-    `kit` is how far kits by the recipe that is chosen have come.
-    `empty_bins` names those of several bins in which nothing is left to take, as last seen;
-    `views_without` the views of a scanner on an arm from which nothing could be taken since
-    something was, in the chosen bin.
-    `earlier` is a scan from other views, which the next one is merged with.
-    `stirs` counts how often the parts in the bin were stirred since a plan could take some.
-    `tools_unknown`: arms whose change of tool has ended with a fault, until a person has stated
-    what they carry.
-    `hands_emptied`: arms whose hands are empty, since parts were sent for, by a drop back or by a
-    person who has looked.
-    `largest_sent`: length [m] of the longest part and mass [kg] of the heaviest one in the cell in
-    which parts were sent for.
-    `hands_open`: arms that may hold a part since a stop, though a scan has come since.
-    `pile` is what the last simulated scan has shown of parts that stay where they are.
-    `ball_scans` and `touches` check the calibrated scanner, up to `check_limits` [m] of spacings
-    and touches; 0: as the calibration predicts.
+    Attributes:
+        cell: the cell, as the chosen recipe and bin change it.
+        number: of the last journal entry.
+        before, undone: cells that undo and redo restore, the next one first.
+        saved: digest of the cell in the cell file.
+        cell_problem: why the cell file cannot be used at present; empty when it can.
+        placed: parts on pallets, in order of placing; with a score of 0 a part may be missing.
+        failures: number of failed picks in a row, over all cycles.
+        avoided: places where picks failed.
+        observations: poses of the calibration in progress.
+        emptying: result of the last simulated emptying, of any cell.
+        ran: inventory of this installation since the last start.
+        changed: differences to session `changed_since`, until a person acknowledges them.
+        control, asking: person in control, empty: nobody; those who request it, in order.
+        unscanned: what was sent and not scanned since, when the plan itself is gone.
+        whole: the cell in the cell file, while a recipe or another bin than the first is chosen.
+        unapproved_by: engineer who switched approval off (pose-only robot links); empty: on.
+        kit: progress of the kits of the chosen recipe.
+        empty_bins: bins of several in which the last scan showed nothing to take.
+        views_without: views of the chosen bin without a pickable part since the last pick.
+        earlier: scan from other views, to be merged with the next scan.
+        stirs: how often the bin was stirred since a plan could pick.
+        tools_unknown: arms whose tool change failed, until a person states what they carry.
+        hands_emptied: arms emptied since the last sending, by a drop back or as a person states.
+        largest_sent: longest part [m] and heaviest part [kg] of the cell at the last sending.
+        hands_open: arms that may still hold a part from before a stop, although a scan followed.
+        pile: pile that the last simulated scan showed.
+        ball_scans: scans that check the calibrated scanner, together with `touches`.
+        check_limits: largest error of spacings and touches [m]; 0: as the calibration predicts.
     """
 
     cell: Cell = field(kw_only=False)
@@ -186,15 +191,17 @@ class SessionState:
 
     @property
     def is_saved(self) -> bool:
-        """Whether the cell is as its file has it, whichever recipe is chosen."""
+        """Whether the cell equals the one in its file, whichever recipe is chosen."""
         return self.saved == (self.whole or self.cell).digest
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class ScanState(SessionState):
-    """What a new scan makes void: the scan and the searches in it, the latest last.
+    """State that a new scan replaces.
 
-    `disturbed` are parts of the scan that a missed grip may have moved.
+    Attributes:
+        searches: searches in the scan, the latest last.
+        disturbed: parts that a missed grip may have moved.
     """
 
     scan: Scan | None = None
@@ -204,11 +211,12 @@ class ScanState(SessionState):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class PartsState(ScanState):
-    """What other parts found make void.
+    """State that a new set of detections replaces.
 
-    `scene_digest` is what a plan must have been made from: that of the scan, or of the detections
-    when they came from outside.  `remarks` say what people have done to what was found, and
-    `parts_before` are the parts that an undo of that goes back to, the last ones first.
+    Attributes:
+        scene_digest: digest of the scan, or of detections from outside; plans must refer to it.
+        remarks: changes that people made to the detections.
+        parts_before: detections that undo restores, the next ones first.
     """
 
     detections: tuple[Detection, ...] | None = None
@@ -219,15 +227,19 @@ class PartsState(ScanState):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class PlanState(PartsState):
-    """What a new planning makes void.
+    """State that a new planning replaces.
 
-    `stale` says what the last plan was overtaken by.  `planned_threshold` [m] is that of the plan,
-    `wanted_threshold` the one that is wanted now.  `outlines` are of all plannings for these
-    parts, the latest last; each plan stands there once, where it was made first.  `bound` [s] is
-    what no plan for the parts of this one can be quicker than, 0 where nobody has asked.
-
-    `row` are proven plans to be carried out after the plan, and `row_ends` says why there are no
-    more.  `left_out` were after those, until a person has shortened the row.
+    Attributes:
+        verdict: why there is no plan, or what is wrong with it.
+        seconds: computing time of each stage [s], by name.
+        outlines: summaries of all plannings for these parts, the latest last, without repeats.
+        planned_threshold: threshold of the plan [m], see `Job`.
+        wanted_threshold: threshold that the person wants now [m].
+        stale: why the last plan is no longer valid.
+        bound: lower bound of the cycle time for the plan's parts [s]; 0: not computed.
+        row: proven plans that follow the plan.
+        row_ends: why the row has no further plan.
+        left_out: plans after the row, which a person has shortened.
     """
 
     candidates: tuple[Candidate, ...] | None = None
@@ -248,10 +260,12 @@ class PlanState(PartsState):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class ReleaseState(PlanState):
-    """What lets the plan out.
+    """Approval of the plan.
 
-    `watched` names those before whose eyes it was played to its end, `watched_elsewhere` those of
-    them of whom only a program says so; `votes` are given for it, enough of them or not.
+    Attributes:
+        watched: people who watched the plan to its end.
+        watched_elsewhere: those of them whose watching only a client program states.
+        votes: each person's approval; `approval` is set once they are enough.
     """
 
     watched: tuple[str, ...] = ()
@@ -262,21 +276,21 @@ class ReleaseState(PlanState):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class RunState(ReleaseState):
-    """What a new sending makes void: what the robot did with the plan.
+    """State that a new sending replaces: what the robot did with the plan.
 
-    `part_reports` say what the controller told of each part, `outcomes` what people or grippers
-    said became of it.  Of a plan sent step by step: `waits` is the step that the robot stands
-    before, 0 while it moves, `let` the last one that a person has let run, and `let_until` [s since
-    the epoch] when nobody may let one run any more.
+    While a row is sent, `plan` and `proof` are the current ones.  Receipts and steps concern the
+    current plan, outcomes and placed parts the whole row.
 
-    Of a row `plan` and `proof` are those that are carried out now, and `sent_before` those before;
-    what is said of messages and steps is of the plan alone, outcomes and parts placed are of the
-    whole row.
-    `is_over`: the plan has ended without a fault.
-    `stopped_by` names who has stopped the sending: nothing of the row follows.
-    `ahead` is what is worked on for the next cycle meanwhile; no plan of it is here before the end.
-    `may_have_moved`: after a missed grip the parts, by their indices in the plan's list, that may
-    lie otherwise now; None where only a new scan can tell.
+    Attributes:
+        part_reports: the controller's report on each part.
+        outcomes: result of each pick, from people or grippers.
+        waits: stepped sending: step that the robot waits to start; 0 while it moves.
+        let: stepped sending: last step that a person allowed.
+        let_until: deadline for allowing it [s since the epoch].
+        is_over: whether the current plan has ended without a fault.
+        stopped_by: person who stopped the sending; the rest of the row is not sent.
+        ahead: work for the next cycle; its plan takes effect only after the end of the sending.
+        may_have_moved: indices of parts that a missed grip may have moved; None: rescan needed.
     """
 
     receipts: tuple[Receipt, ...] = ()
@@ -294,14 +308,14 @@ class RunState(ReleaseState):
 
     @property
     def whole_row(self) -> tuple[Proven, ...]:
-        """What was carried out, the plan, and what is to follow; empty without a proven plan."""
+        """The plans carried out, the current one and those to follow; empty without a proof."""
         if self.plan is None or self.proof is None:
             return ()
         return (*self.sent_before, Proven(self.plan, self.proof), *self.row)
 
     @property
     def plans(self) -> tuple[Plan, ...]:
-        """The plans of the whole row in order; the same row has the same values here."""
+        """The plans of the whole row, in order."""
         if self.plan is None:
             return ()
         before = (proven_plan.plan for proven_plan in self.sent_before)
@@ -310,14 +324,16 @@ class RunState(ReleaseState):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class State(RunState):
-    """All that an auditor would ask for.
+    """The complete state of the workbench.
 
-    Its stages are the classes above, in the order in which one is made from the other: what a
-    stage holds stays until one before it, or the same, begins anew (`begin_stage`), so that what is
-    here always belongs together.  A field belongs to the stage whose class it stands in.
+    The base classes are the stages of a cycle: session, scan, parts, plan, release, run.  Each
+    stage is derived from the one before.  `begin_stage` resets a stage and all later stages, so
+    the fields always belong together.
 
-    What stands here is of this moment: `fault` is set exactly in phase fault; `message` tells a
-    person what happened last.
+    Attributes:
+        phase: phase of the cycle.
+        fault: cause of the fault; empty except in phase `FAULT`.
+        message: the last event, for people.
     """
 
     phase: Phase = field(default=Phase.IDLE, kw_only=False)
@@ -327,7 +343,7 @@ class State(RunState):
 
 
 def begin_stage(state: State, stage: type[SessionState], **fields: Any) -> State:
-    """The state as a stage begins anew: it and all after it are void, but for `fields`."""
+    """Reset a stage and all later stages to their defaults, then set `fields`."""
     earlier = cast(type[SessionState], stage.__base__)
     kept = {
         known_field.name: getattr(state, known_field.name)
@@ -337,47 +353,47 @@ def begin_stage(state: State, stage: type[SessionState], **fields: Any) -> State
 
 
 def stale_by(state: State, why: Message) -> Message | None:
-    """The message about the plan that goes, if there was one."""
+    """The message that a plan is no longer valid; None without a plan."""
     return None if state.plan is None else StaleText.PLAN(plan=state.plan.digest[:12], why=why)
 
 
 def format_count(number: int, noun: str) -> str:
-    """So many of something, as sentences have it."""
+    """A count with its noun, in the plural unless it is 1."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def without_approval(state: State) -> State:
-    """The state without approval: who asks for something newer takes back every vote given."""
+    """The state without approval and without votes."""
     phase = Phase.PLANNED if state.phase is Phase.APPROVED else state.phase
     return replace(state, phase=phase, approval=None, votes=())
 
 
 def sent_for(state: State) -> SentFor | None:
-    """The plans of whose parts people can say what became of them; None where nothing was sent."""
+    """The sent plans whose outcomes people can still report; None: nothing was sent."""
     if is_remembered(state):
         return state.unscanned
     return SentFor(plans_begun(state), state.outcomes, state.is_over, state.parts_placed)
 
 
 def is_remembered(state: State) -> bool:
-    """Whether the parts that were sent for last are not those of the plan, but `unscanned`."""
+    """Whether the parts sent for last are those in `unscanned`, not those of the plan."""
     return state.plan is None or not state.plan.picks
 
 
 def before_a_scan(state: State) -> State:
-    """The state that remembers what was sent when its plan goes and no scan has come since."""
+    """The state with `unscanned` set, when its plan goes and no scan has followed the sending."""
     if state.phase not in (Phase.DONE, Phase.FAULT):
         return state
     return replace(state, unscanned=sent_for(state))
 
 
 def plans_begun(state: State) -> tuple[Plan, ...]:
-    """The plans that were sent, the one on its way among them."""
+    """The plans that were sent, including the current one."""
     return state.plans[: len(state.sent_before) + 1]
 
 
 def row_message(state: State) -> Message:
-    """The plan and those after it, for people."""
+    """The message that names the plan and the length of its row."""
     plan = "" if state.plan is None else state.plan.digest[:12]
     if not state.row:
         return StateText.PLAN(plan=plan)

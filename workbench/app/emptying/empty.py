@@ -35,7 +35,7 @@ from workbench.plugins.localizer import find_parts
 from workbench.plugins.progress import Cancelled, Report, never, silent
 
 IDLE = 3
-"""So many looks in a row that bring no plan end it; of a bin with more views as many as these."""
+"""Scans in a row without a plan after which the emptying ends, or one for each view if more."""
 
 SEEDS = 1000
 """Each pile has this many seeds for its looks; no bin takes as many."""
@@ -51,23 +51,21 @@ def empty_pile(
     film: Callable[[Shot], None] = unseen,
     estimates: bool = False,
 ) -> EmptiedPile:
-    """Take the parts of a pile out until nothing can be taken, or pick after pick fails.
+    """Simulate picking a pile until no part can be taken, or several picks in a row fail.
 
-    The seed of the task decides everything: it is the same wherever this runs, but for the measured
-    times.
+    The result depends only on the arguments, except for the measured times.
 
     Args:
-        cell: that is tried, with the task's change where it has one; its parts are those of the
-            pile.
-        task: how it is emptied.
-        pile: how the parts lie, from `fallen`.
-        report: is called with how much is taken.
-        cancelled: asked now and then; True ends it.
-        film: is shown every plan that is carried out.
-        estimates: whether it is looked what hands could hold of what stays.
+        cell: the cell, to which the change of the task is applied; its parts are in the pile.
+        task: how the bin is emptied, with the seed.
+        pile: poses of the parts, from `fallen`.
+        report: receives the progress.
+        cancelled: called repeatedly; True ends the emptying.
+        film: receives every plan that is carried out.
+        estimates: whether to estimate which of the remaining parts other grasps could hold.
 
     Raises:
-        JobCancelled: `cancelled` said so.
+        JobCancelled: `cancelled` returned True.
     """
     lying = list(enumerate(pile))
     tally = Tally()

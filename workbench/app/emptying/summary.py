@@ -15,18 +15,16 @@ MS = 1000.0
 def summary(
     scenes: Sequence[EmptiedPile], *, scan_seconds: float, approval_seconds: float
 ) -> dict[str, Any]:
-    """What is printed as JSON.
+    """The summary of all piles that is printed as JSON.
 
-    An hour is made of the motion as planned, `scan_seconds` [s] for each look, the time that
-    finding and planning took here, and `approval_seconds` [s] of a person for each plan, or row of
-    plans, carried out.  Looks that can be taken beside a motion, and finding and planning for them,
-    count for what is longer than what is left of that.  Shares and times of which there are none
-    are None.
+    Picks per hour count the planned motion, `scan_seconds` for each scan, the measured time of
+    search and planning, and `approval_seconds` for each approval.  Scans, searches and plannings
+    that run during a motion count only as far as they outlast it.  Missing values are None.
 
     Args:
-        scenes: of all piles, in their order.
-        scan_seconds: [s] that a scan takes.
-        approval_seconds: [s] that a person needs to look at a plan and approve it.
+        scenes: the emptied piles, in order.
+        scan_seconds: duration of a scan [s].
+        approval_seconds: time that a person needs to check and approve a plan [s].
     """
     parts, taken = sum(scene.parts for scene in scenes), sum(scene.taken for scene in scenes)
     counts = zip_longest(*(scene.failed for scene in scenes), fillvalue=0)

@@ -28,13 +28,16 @@ BETWEEN_FINGERS_WITHIN = 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Taking:
-    """What an arm's part of a plan comes to.
+    """Result of one arm's pick in the simulated pile.
 
-    `number` is the true part that the hand closes on, None when there is none, `is_straight`
-    whether it lies there as planned, and `is_turned` whether it does but for its roll; `is_held`:
-    the hand holds it all the same, `slips`: it weighs more than the grip holds.  `way` are the true
-    poses in the world through which it is lifted.  `touches` counts the straight legs on which
-    something meets.
+    Attributes:
+        number: index of the true part between the fingers; None: no part.
+        is_straight: whether the part lies as planned.
+        way: true poses `T_world_part` along the lift.
+        touches: number of linear motions with a collision.
+        is_turned: whether the part lies as planned except for its roll.
+        is_held: whether the hand holds the part in spite of a wrong pose.
+        slips: whether the part is heavier than the grip can hold.
     """
 
     number: int | None

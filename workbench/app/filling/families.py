@@ -59,12 +59,15 @@ Pile = tuple[Detection, ...]
 
 @dataclass(slots=True, eq=False)
 class Family:
-    """An entry of a library with all the ways in which a hand takes the part by it.
+    """A library entry with all TCP poses by which a hand can take the part.
 
-    `R` (w, 3, 3) and `p` (w, 3) [m] are where the TCP is, seen from the part, the copies that the
-    part's symmetry makes included; `opening` and `grip` [m] those of the fingers.  `hands` are the
-    same as one grasp of many ways; `took` are the piles, and in each the number of a part that it
-    has taken.
+    Attributes:
+        R: rotations of the TCP in the part's frame (w, 3, 3), with those of the part's symmetry.
+        p: positions of the TCP in the part's frame (w, 3) [m].
+        opening: opening of the fingers on arrival [m].
+        grip: opening of the closed fingers [m].
+        hands: the same poses as one grasp with many ways.
+        took: parts that this entry has taken: the pile and the part's index in it.
     """
 
     entry: Entry

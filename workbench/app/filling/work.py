@@ -31,9 +31,9 @@ WORLD = 0.6
 
 
 class Work:
-    """What a filling has spent of its budget, and who gets the reports.
+    """Budget and progress of a filling.
 
-    `done` and `most` are in points; `note` says what has come of it so far.
+    `done` and `most` are in points, see `WORK`; `note` is the latest progress message.
 
     Lifetime: of one filling.
     """

@@ -1,4 +1,4 @@
-"""Refusals that may come of bodies that are larger than the part they stand for."""
+"""Refusals that may be caused by collision bodies larger than the part's mesh."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -14,7 +14,7 @@ from workbench.planning.collision.bodies import part_label
 def with_exactness(
     cell: Cell, detections: Sequence[Detection], candidates: Sequence[Candidate]
 ) -> tuple[Candidate, ...]:
-    """The candidates; a refusal says so where the mesh itself may keep the distance.
+    """The candidates, with a remark on refusals where the mesh itself may keep the distance.
 
     Args:
         cell: with its parts and policy.
@@ -42,7 +42,7 @@ def _note_excess(cell: Cell, detections: Sequence[Detection], verdict: Verdict) 
 
 
 def _parts(verdict: Verdict, detections: Sequence[Detection]) -> Iterator[int]:
-    """The parts found that a verdict names, by their numbers from 0."""
+    """Indices of the detections that a verdict names."""
     numbers = {part_label(number): number for number in range(len(detections))}
     for label in verdict.pair or ():
         if label in numbers:

@@ -1,4 +1,4 @@
-"""What has to be computed from a state or a command: `decide` itself looks at no picture or arm."""
+"""Facts computed for a command from scan and robot, since `decide` itself computes none."""
 
 import functools
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ from workbench.proof.claims.spot import Spot, spot_of
 
 
 def bin_check_of(state: State) -> BinCheck | None:
-    """What the scan of a state says about the bin of its cell; None without a scan."""
+    """The check of the bin by the state's scan; None without a scan."""
     return None if state.scan is None else _check_bin(state.scan, state.cell.bin)
 
 
@@ -40,7 +40,7 @@ def _check_bin(scan: Scan, bin: Bin) -> BinCheck:
 # It takes some 10 ms, and is asked for in every browser.
 @functools.lru_cache(maxsize=2)
 def nearest_place(cell: Cell, plan: Plan, proof: Proof) -> Spot | None:
-    """Where on its free legs a plan comes nearest to anything; None where that is not near."""
+    """Place of the smallest clearance on the plan's free legs; None if it is not small."""
     try:
         return None if proof.nearest is None else spot_of(cell, plan, proof.nearest)
     except InputError:
@@ -49,16 +49,16 @@ def nearest_place(cell: Cell, plan: Plan, proof: Proof) -> Spot | None:
 
 
 def nearest_of(row: Sequence[Proven]) -> int:
-    """Which plan of a row comes nearest to anything on its free legs."""
+    """Index of the plan with the smallest clearance of a row."""
     return min(range(len(row)), key=lambda number: row[number].proof.clearance)
 
 
 def with_facts(state: State, command: Command) -> Command:
-    """A command with what follows from it and the state, where somebody has to compute that.
+    """A command with the facts that it needs, computed from it and the state.
 
     Args:
         state: before the command.
-        command: as it came, or as it was recorded before facts were.
+        command: as received, or as recorded by an older version.
     """
     if isinstance(command, LinkEnded) and state.plan is not None:
         if command.placed is None:
@@ -77,12 +77,12 @@ def with_facts(state: State, command: Command) -> Command:
 
 
 def check_installed(state: State, command: Command) -> None:
-    """Look whether what a command needs is there: a planner that can be loaded, room for a pile.
+    """Check that a command's needs are met: the planner can be loaded, the pile fits.
 
-    Not a rule: what was done may be computed again where less is installed.
+    This is no rule: a session can be replayed on an installation with fewer packages.
 
     Raises:
-        CommandRefused: it is not; the message says what there is.
+        CommandRefused: they are not; the message states what is available.
     """
     command = command.plan if isinstance(command, GoOn) else command
     try:

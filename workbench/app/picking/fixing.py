@@ -1,4 +1,4 @@
-"""The nearest fix carried out: the command that changes grasp or policy as it was tried."""
+"""Applies the nearest fix: the command that changes grasp or policy as in the trial."""
 
 import math
 from dataclasses import replace
@@ -18,7 +18,7 @@ from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.planning.picking.nearest_fix import Fix
 
 SAME_LENGTH, SAME_ANGLE = 5e-5, math.radians(0.05)
-"""[m], [rad] Of these nothing is seen in the digits that people read."""
+"""[m], [rad] Smaller differences are not visible in the displayed digits."""
 
 
 def make_fix_command(state: State, fix: Fix) -> EditPart | ChangeCell:
@@ -31,8 +31,8 @@ def make_fix_command(state: State, fix: Fix) -> EditPart | ChangeCell:
         fix: of one of them.
 
     Raises:
-        InputError: the candidate is not among those judged last, its grasp is gone, or the change
-            is neither of a grasp nor of the policy.
+        InputError: the candidate is not among the latest, its grasp is gone, or the change is
+            neither of a grasp nor of the policy.
     """
     candidate = fix.candidate
     # A plan made meanwhile has judged others.

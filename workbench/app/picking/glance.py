@@ -1,8 +1,7 @@
-"""Candidates at a glance: how they would be judged where something is dragged, while it is.
+"""Quick check of candidates while a person drags something, at ten answers a second.
 
-As far as is quick enough for ten answers a second: the hand where the part lies, as planning judges
-it first (`propose`), whether the arm gets its hand there, and with the part to one of its places.
-What is refused here planning refuses, too; the ways there and back are left to it.
+It checks the hand at the part, as `propose` does, and whether the arm reaches the grasp and a
+place.  Planning refuses whatever is refused here.  Only planning checks the motions between them.
 """
 
 from collections.abc import Mapping
@@ -43,17 +42,17 @@ from workbench.planning.placing.assembling import arm_placing
 T = TypeVar("T")
 
 Change = Mapping[str, Any]
-"""What is otherwise in a cell: fields of `Cell`, and as `libraries` grasp libraries by part."""
+"""Changes of a cell: fields of `Cell`, and as `libraries` grasp libraries by part."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Glance:
-    """All candidates of some parts found, each a row: little to send, and enough to draw.
+    """All candidates of some detections as rows: little to send, and enough to draw.
 
-    `detections` (n,) are numbers of parts, `grasps` and `arms` names; `reasons` (n,) say what is
-    said, `is_apart` (n,) whether the bodies that are too close do not touch.  `tips` (n, 3) [m] and
-    `approaches` (n, 3), unit vectors, are where the hand would be in the world and how it comes.
-    `obstacles` were kept clear of.
+    `detections` (n,) are indices of parts, `grasps` and `arms` names, `reasons` (n,) the verdicts.
+    `is_apart` (n,): bodies that are too close do not touch.  `tips` (n, 3) [m] are the positions of
+    the hand in the world, `approaches` (n, 3) its directions of travel, unit vectors.  `obstacles`
+    are those of the check.
     """
 
     detections: Ints
@@ -67,15 +66,15 @@ class Glance:
 
     @property
     def working(self) -> Bools:
-        """Which candidates nothing speaks against, booleans (n,)."""
+        """Whether each candidate is feasible by this check, booleans (n,)."""
         return np.array([reason is Reason.OK for reason in self.reasons], dtype=bool)
 
 
 def apply_change(cell: Cell, change: Change) -> Cell:
-    """A cell with that change, to be checked and thrown away: it keeps the digest of the other.
+    """A temporary cell with that change, which keeps the digest of the original.
 
-    A digest takes as long as the look.  What stays is the same object, so what is kept for it
-    serves.
+    A digest takes as long as the check itself.  Unchanged values are the same objects, so caches
+    for them work.
     """
     rest = dict(change)
     libraries = rest.pop("libraries", {})
@@ -93,7 +92,7 @@ def apply_change(cell: Cell, change: Change) -> Cell:
 
 
 def _otherwise(value: T, **others: Any) -> T:
-    """A copy of a frozen value with other fields, made without what is worked out of them."""
+    """A copy of a frozen value with other fields, without values derived from them."""
     made = copy(value)
     put(made, **others)
     return made
@@ -123,11 +122,11 @@ def glance_by_each_tcp(
 def glance_at(
     world: World, *, avoided: Mapping[int, Message] = NO_MESSAGES, seed: int = 0
 ) -> Glance:
-    """All candidates that planning looks at first, judged up to reach and place.
+    """The candidates that planning checks first, with verdicts up to reach and place.
 
     Args:
         world: of the cell with the parts found, and the obstacles beside them.
-        avoided: indices of parts that are left alone for now, and why.
+        avoided: indices of parts that are not picked now, with the reason.
         seed: of the starting points of the inverse kinematics, as in planning.
     """
     by_part = grasps_of(world, levels_of(world.cell)[0])
@@ -173,11 +172,11 @@ def glance_at(
 
 
 _Said = tuple[Reason, bool]
-"""What is said of a candidate, and whether bodies that are too close do not touch."""
+"""Reason of a candidate, and whether bodies that are too close do not touch."""
 
 
 class _Reach:
-    """Where one arm gets its hand.
+    """Reach of one arm.
 
     Lifetime: that of the world.
     """
@@ -190,7 +189,7 @@ class _Reach:
         self._has_place = any(map(self._reaches, turned))
 
     def describe(self, hands: Tried, n: int, number: int, k: int, grasp: Grasp) -> _Said:
-        """Of the detection with that number, the n-th of those tried, and the k-th grasp."""
+        """The verdict on grasp k at this detection, the n-th of those tried."""
         refusal = hands.refusals[k]
         if refusal is not None:
             return refusal.reason, False
@@ -201,14 +200,14 @@ class _Reach:
         return self._reason(number, as_it_fits(self._arm, grasp, fit), T_world_tcp), False
 
     def said_at_every_turn(self, number: int, grasp: Grasp) -> _Said:
-        """Of a part whose roll the scan does not show, which takes longer."""
+        """The verdict on a part of unknown roll, which takes longer."""
         candidate = candidate_of(self._world, number, grasp, self._arm)
         if candidate.verdict.is_ok:
             return self._reason(number, candidate.grasp, candidate.T_world_tcp), False
         return candidate.verdict.reason, (candidate.verdict.distance or 0.0) > 0.0
 
     def _reason(self, number: int, grasp: Grasp, T_world_tcp: pin.SE3) -> Reason:
-        """Why the arm cannot take the part there and bring it to a place; or that it can."""
+        """Why the arm cannot take the part there and bring it to a place, or that it can."""
         arm = arm_placing(self._world, self._arm, number)
         if isinstance(arm, Verdict):
             return arm.reason
@@ -225,13 +224,13 @@ class _Reach:
         return Reason.NO_PLACE if is_reached else Reason.OUT_OF_REACH
 
     def _hands(self, number: int, grasp: Grasp, T_world_tcp: pin.SE3) -> list[pin.SE3]:
-        """Where the hand may be: as in `resolve`, of the same grips those that fit."""
+        """Possible poses of the hand: as in `resolve`, those of equal grips that fit."""
         fits = self._world.tool_check.free(self._arm, number, turns_of(self._arm.tool, grasp))
         every = [T_world_tcp * T for T in grips(self._arm.tool, grasp)]
         return [T for T, is_free in zip(every, fits, strict=True) if is_free] or every
 
     def _brings(self, arm: Arm, number: int, T_world_tcp: pin.SE3) -> bool:
-        """Whether the arm gets a part that is held so to a place where its kind has to lie."""
+        """Whether the arm can bring a part in this grasp to a place of its kind."""
         T_part_tcp = self._world.detections[number].T_world_part.actInv(T_world_tcp)
         ways = ways_at_places(self._world, arm, number)
         return any(self._reaches(T * T_part_tcp) for T in ways if not isinstance(T, Verdict))

@@ -1,4 +1,4 @@
-"""Candidates judged one after the other, up to the place: whether each works, or why not."""
+"""Checks candidates in order, up to the place: whether each is feasible, or why not."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -21,18 +21,18 @@ from workbench.planning.planners.clock import processor_time
 from workbench.plugins.progress import Cancelled, Report, never, silent
 
 HANDS_TRIED, ALL_JUDGED = 0.2, 0.75
-"""Shares of a look at candidates after which the hands were tried, and all candidates judged."""
+"""Progress shares at which all hands were tried, and all candidates checked."""
 
 TIGHT = {Reason.TOOL_COLLISION, Reason.APPROACH_BLOCKED}
-"""What fingers that arrive less open, or other lifts, may mend."""
+"""Reasons that a smaller opening on arrival, or another lift, may resolve."""
 
 SPARE_MARGIN = 0.0001
-"""[m] More than the near margin that found grips keep: the proof looks closer than planning."""
+"""[m] Extra margin of found grips beyond the near margin: the proof is stricter than planning."""
 
 
 @dataclass(slots=True)
 class Judged:
-    """What was checked: candidates with their final verdicts, picks of those that work."""
+    """Result of the check: candidates with final verdicts, and picks of the feasible ones."""
 
     candidates: list[Candidate] = field(default_factory=list[Candidate])
     picks: list[Pick] = field(default_factory=list[Pick])
@@ -52,7 +52,7 @@ class Judged:
 
 
 def count_hands(report: Report, cancelled: Cancelled) -> Callable[[int, int], None]:
-    """Reports how many hands were tried, of how many, until `cancelled` ends that."""
+    """Reports the number of tried hands and the total, until `cancelled` ends that."""
 
     def counted(count: int, of: int) -> None:
         if cancelled():
@@ -100,7 +100,7 @@ def judge_candidates(
 
 
 def _describe(world: World, pick: Pick) -> Message:
-    """What to know of a candidate that works: how far it goes, its lift and its opening."""
+    """Facts of a feasible candidate: its distance, its lift and its opening."""
     candidate = pick.candidate
     facts = [VerdictNote.DURATION(seconds=pick.seconds)]
     if len(world.policy.lifts) > 1:
@@ -111,7 +111,7 @@ def _describe(world: World, pick: Pick) -> Message:
 
 
 def furthest_verdict(candidates: Sequence[Candidate], *, is_searched: bool) -> Verdict:
-    """Why nothing works: the refusal of the candidate that got furthest.
+    """Why no candidate is feasible: the refusal of the candidate that got furthest.
 
     Args:
         candidates: refused ones; there may be none.
@@ -127,7 +127,7 @@ def furthest_verdict(candidates: Sequence[Candidate], *, is_searched: bool) -> V
 
 
 def may_widen(cell: Cell, policy: Policy, candidates: Sequence[Candidate]) -> bool:
-    """Whether other lifts, or fingers less open, could take what was refused."""
+    """Whether other lifts, or a smaller opening, could take what was refused."""
     if not policy.as_needed:
         return False
     reasons = {candidate.verdict.reason for candidate in candidates}

@@ -1,4 +1,4 @@
-"""Parts at places that keep them: what is in the way there, and how full pallets are."""
+"""Placed parts as obstacles, and how full pallets are."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -28,12 +28,12 @@ from workbench.proof.engine.shapes import gap_of
 
 
 def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:
-    """Parts that have been put down, as obstacles, those that were put down first coming first.
+    """Placed parts as obstacles, in order of placing.
 
-    What a scan has shown since is where that has shown it last.
+    A part that a later scan shows is at its pose in the latest scan.
 
     Raises:
-        InputError: one of them is of a part that the cell does not have any more.
+        InputError: the cell does not have one of the parts any more.
     """
     boxes: list[Obstacle] = []
     known = {part.name for part in cell.parts}
@@ -52,7 +52,7 @@ def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...
 
 
 def at_rest(cell: Cell, placed: Sequence[Detection]) -> tuple[pin.SE3, ...]:
-    """`T_world_part` of parts that were put down: where a scan has shown them, or they fell."""
+    """`T_world_part` of placed parts: as a scan shows them, or where they came to rest."""
     boxes, found = boxes_around(cell, placed), list[pin.SE3]()
     for number, (box, detection) in enumerate(zip(boxes, placed, strict=True)):
         T = (detection.T_world_seen or detection.T_world_part).copy()
@@ -68,10 +68,10 @@ def at_rest(cell: Cell, placed: Sequence[Detection]) -> tuple[pin.SE3, ...]:
 
 @dataclass(frozen=True, slots=True)
 class PalletFill:
-    """How full a pallet in layers is.
+    """How full a pallet with layers is.
 
-    `number` counts those of the `arm` from 1.  Of its `places` so many have `parts`; `layer` is the
-    one that is being filled, 0 when none is.  `doubtful` parts may be there, or not.
+    `number` counts the pallets of the `arm` from 1.  `parts` of its `places` are occupied, where
+    `doubtful` parts may be missing.  `layer` is the one being filled; 0: none.
     """
 
     arm: str
@@ -97,7 +97,7 @@ class PalletFill:
 
 
 def pallets_of(cell: Cell, placed: Sequence[Detection]) -> tuple[PalletFill, ...]:
-    """How full each pallet in layers of a cell is with the parts that have been put down."""
+    """How full each pallet with layers of a cell is."""
     known = [
         detection for detection in placed if detection.part in {part.name for part in cell.parts}
     ]
@@ -116,7 +116,7 @@ def pallets_of(cell: Cell, placed: Sequence[Detection]) -> tuple[PalletFill, ...
 
 
 def pallet_problems(cell: Cell) -> Iterator[Message]:
-    """What speaks against the pallets in layers of a cell, filled with parts of each kind."""
+    """Problems of a cell's pallets with layers, when filled with parts of each kind."""
     for arm, number, places in _pallets(cell):
         for part in cell.parts:
             if places[0].is_for(part.name):
@@ -135,7 +135,7 @@ def _pallets(cell: Cell) -> Iterator[tuple[Arm, int, list[PartPlace]]]:
 
 
 def _problem(cell: Cell, part: Part, places: Sequence[PartPlace]) -> Message | None:
-    """The first thing that goes wrong when a pallet is filled with parts of a kind."""
+    """The first problem when a pallet is filled with parts of a kind."""
     margin, most = cell.policy.margin, cell.policy.margin + FALL
     points = part.mesh.points @ places[0].T_world_part.rotation.T
     high = float(np.ptp(points[:, 2]))

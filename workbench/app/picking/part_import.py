@@ -28,14 +28,14 @@ from workbench.planning.grasps.part_symmetry import FoundSymmetry, proposed_symm
 from workbench.plugins.progress import Cancelled, Report, silent
 
 PARTS = Path("parts")
-"""Where new parts go: beside those of the working directory."""
+"""Folder of new parts, in the working directory."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MadePart:
-    """What became of a CAD file: its surface, the part as written, and the symmetry that it has.
+    """Result of an import: the surface, the part as written, and its symmetry.
 
-    `excess` [m] is by how much its convex pieces are too large.
+    `excess` [m] is the largest distance of its convex pieces outside of the surface.
     """
 
     imported: Imported
@@ -48,9 +48,9 @@ class MadePart:
 class CadChoices:
     """How a CAD file is read.
 
-    `unit` is mm, m or inch; None when the file says it or only one fits.  `solid` says which of
-    several solids, see `read_cad`.  `repair` mends what can be mended; `is_open` takes a surface
-    that cannot be closed as it is.
+    `unit` is mm, m or inch; None if the file states it or only one is plausible.  `solid` selects
+    one of several solids, see `read_cad`.  `repair` closes holes where possible; `is_open` accepts
+    a surface that cannot be closed.
     """
 
     unit: str | None = None

@@ -33,11 +33,11 @@ def with_kinds(cell: Cell, kinds: Sequence[str]) -> Cell:
 
 
 def check_pile(cell: Cell, count: int) -> None:
-    """Look whether this many of a cell's parts can be piled up in its bin and be taken.
+    """Check that this many parts of a cell fit into its bin and have usable grasps.
 
     Raises:
-        InputError: no parts, more than fit, one larger than the bin, a part that needs grasps
-            and has none, or none that any tool of the cell can do.
+        InputError: no parts, too many parts, or a part larger than the bin; or a part needs
+            grasps, and no tool of the cell can do any.
     """
     if not cell.parts:
         raise InputError(PileText.NO_PART(cell=cell.name))

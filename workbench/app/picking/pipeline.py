@@ -1,4 +1,4 @@
-"""The line from detections to a proven plan: one function for page, command line and studies."""
+"""The steps from detections to a proven plan: one function for page, command line and studies."""
 
 import math
 from collections.abc import Callable, Container, Mapping, Sequence
@@ -46,7 +46,7 @@ from workbench.proof.claims.prove import prove
 AS_THE_CELL = PlanOverrides()
 
 LIBRARIES_TRIED, GRIPS_SEARCHED = 0.6, 0.8
-"""Shares of the progress after which the libraries were tried, and grips searched."""
+"""Progress shares at which the libraries were tried, and grips searched."""
 
 TWO_ARMS = (*BOTH, "both")
 """Strategies that only two arms can follow."""
@@ -72,33 +72,34 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     report: Report = silent,
     cancelled: Cancelled = never,
 ) -> PlanResult:
-    """Judge candidates, choose, plan, and prove.
+    """Check candidates, choose among them, plan, and prove.
 
-    Grasps of a priority below 0 are spares: they are checked, one priority after the other, only
-    when no plan comes out of those before them, or one for fewer arms than could work; where one
-    arm has work already, they get no more than half of the time.  Where no plan comes out of all,
-    grips are searched for one part after the other, from the top, of those kinds whose library says
-    so; and then the grasps are tried by `widened`, unless the policy says not to.  Each time the
-    first TCPs of the tools are tried, and others where no plan comes out of those before.
+    Planning stops at the first stage with a plan; each tries a tool's first TCP before the others:
+
+    1. Grasps of priority 0 and above.
+    2. Spare grasps (priority below 0), by priority.  They also serve when fewer arms have work than
+       could; then they get at most half of the time.
+    3. A grip search, part by part from the top, for kinds whose library allows it.
+    4. Grasps as `widened` changes them, unless the policy forbids it.
 
     Args:
         cell: with its parts and policy.
         detections: the parts found, at least one.
-        scan_digest: what they were found in.
+        scan_digest: digest of the scan that shows them.
         strategy: see `check_strategy`.
         threshold: [m] distance between the parts; None takes the cell's policy.
         overrides: what this request changes of the cell's policy.
-        obstacles: what the scan shows beside the parts.
-        avoided: indices of parts that are left alone for now, and why; they stay obstacles.
-        wanted: how many parts of each kind may be taken; None: any.  Where one alone is, an arm
-            takes it whatever the strategy says of two.
-        seed: of everything random.
-        report: progress.
-        cancelled: asked between candidates; True ends the work.
+        obstacles: obstacles in the scan other than parts.
+        avoided: indices of parts that are not picked now, with the reason; they stay obstacles.
+        wanted: how many parts of each kind may be taken; None: any number.  If only one part is
+            wanted, one arm takes it, even with a strategy for two.
+        seed: of all random numbers.
+        report: receives the progress.
+        cancelled: called between candidates; True ends the work.
 
     Raises:
         InputError: no detections, or a strategy that is not known or not available.
-        JobCancelled: `cancelled` said so.
+        JobCancelled: `cancelled` returned True.
     """
     if not detections:
         raise InputError(Refusal.NO_PARTS())
@@ -137,7 +138,7 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
 
 @dataclass(frozen=True, slots=True)
 class _Asked:
-    """What a plan is asked for; `deadline` [s] of processor time ends the search."""
+    """The request of a plan; `deadline` [s] of processor time ends the search."""
 
     strategy: str
     threshold: float
@@ -190,7 +191,7 @@ def _plan_by_each(
     *,
     tries: int = 1,
 ) -> PlanResult:
-    """As `_plan`, by the TCPs of the tools, until a plan holds; with all candidates till then."""
+    """As `_plan`, for one TCP after the other until a proof holds; with all candidates tried."""
     best: PlanResult | None = None
     judged: tuple[Candidate, ...] = ()
     cells, report = by_each_tcp(cell), asked.report
@@ -208,7 +209,7 @@ def _plan_by_each(
 
 
 def _further(result: PlanResult, later: PlanResult) -> PlanResult:
-    """The better one; where neither has a plan, the one whose verdict came further."""
+    """The better result; without plans the result whose verdict got further."""
     if result.plan is None and later.plan is None:
         return max(result, later, key=lambda each: list(Stage).index(each.verdict.stage))
     return _better(result, later)
@@ -225,7 +226,7 @@ def _plan(
 ) -> PlanResult:
     """Search a plan in a world by one level of candidates after the other; see `plan_pick`.
 
-    Where a proof does not hold, as many as `tries` plans of other candidates are proven.
+    If a proof does not hold, up to `tries` plans of other candidates are proven.
     """
     world.deadline = asked.deadline
     half = processor_time() + (asked.deadline - processor_time()) / 2
@@ -277,7 +278,7 @@ def _holds(result: PlanResult) -> bool:
 
 
 def _better(result: PlanResult, later: PlanResult) -> PlanResult:
-    """What holds, or else the first that has a plan, or else the last: it has all candidates."""
+    """A result whose proof holds, else the first with a plan, else the last."""
     return later if result.plan is None or (_holds(later) and not _holds(result)) else result
 
 
@@ -302,7 +303,7 @@ class _Stages:
 
 
 def _after(result: PlanResult) -> _Stages:
-    """The times of what was searched before, to go on with."""
+    """The times of the searches before, to continue with."""
     return _Stages(dict(result.seconds))
 
 
@@ -356,9 +357,9 @@ def _found_grips(plan: Plan) -> list[Message]:
 
 
 def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proof]:
-    """The first of some plans whose proof holds, with that; where none does, the first of all.
+    """The first plan whose proof holds, with the proof; if none does, the first plan.
 
-    Of another than the first the note says why that was refused.
+    If it is not the first plan, its note states why the first was refused.
     """
     first = prove(cell, scene, plans[0])
     for plan in plans[1:] if not first.holds else ():
@@ -385,7 +386,7 @@ def _without(
 
 
 def best_of(cell: Cell, results: Sequence[PlanResult]) -> PlanResult:
-    """Of several strategies what holds, can be sent, takes most and is quickest; others beside."""
+    """The best result: proof holds, can be sent, most parts, then quickest; others in `beside`."""
 
     def rank(result: PlanResult) -> tuple[bool, bool, int, float]:
         plan, proof, plans = result.plan, result.proof, result.plans

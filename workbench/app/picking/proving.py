@@ -1,4 +1,4 @@
-"""A plan is proven with the scan or the poses that there are; a certificate is checked."""
+"""Proves a plan with a scan or with given poses, and checks a certificate."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,12 +23,12 @@ def prove(
     scan: Scan | None = None,
     resolution: float = layer.RESOLUTION,
 ) -> Proof:
-    """Look at everything about a plan anew, by code that shares nothing with planning.
+    """Check everything about a plan again, by code that shares nothing with planning.
 
-    What that promises, and what it does not, is said in `docs/proof.md`.
+    For what this guarantees, and what not, see `docs/proof.md`.
 
     Args:
-        cell: as it is now.
+        cell: the present cell.
         plan: as planned, or as another program made it; see `adopt_plan`.
         detections: see `scene_of`.
         scan: see `scene_of`.
@@ -47,18 +47,17 @@ def scene_of(
 ) -> Scene:
     """What is known to be in the bin when a plan is checked.
 
-    A part of which the plan knows nothing is something in the scan that no part explains.  So it
-    is an obstacle that the plan leaves out.  One that the scan does not show is not known to be
-    there. Nor is one that another plan has to put there first: such a plan is proven in its row.
-    No scan shows what lies on pallets in layers: the plan's word is taken for it.  A base that the
-    plan has from a scan is compared with that scan.
+    A part that the plan does not list becomes an obstacle, like unknown objects in the scan.  A
+    part that the scan does not show does not count.  Nor does a part that another plan must put
+    there first: such a plan is proven in its row.  Parts on pallets with layers are taken from the
+    plan, as no scan shows them.  A base that the plan has from a scan is compared with that scan.
 
     Args:
-        cell: as it is now.
+        cell: the present cell.
         plan: the plan.
-        detections: the parts known to be in the bin; None takes the plan's word for those of them
-            that the scan shows.
-        scan: in which they were found; without it the plan's word for other obstacles is taken.
+        detections: the parts known to be in the bin; None: those of the plan's parts that the scan
+            shows.
+        scan: the scan with these parts; without it, other obstacles are taken from the plan.
     """
     known = tuple(detection for detection in plan.detections if detection.T_world_found is None)
     found = known if detections is None else tuple(detections)
@@ -90,10 +89,10 @@ def _select_shown(cell: Cell, scan: Scan, parts: tuple[Detection, ...]) -> tuple
 
 
 def adopt_plan(cell: Cell, plan: Plan, scan: Scan | None = None) -> Plan:
-    """A plan of another program, which knows no digests, as one for this cell and scan.
+    """A plan of another program without digests, completed for this cell and scan.
 
-    What the plan states itself stays, so that a plan for another cell is found out.  Loads that it
-    does not state are those of the cell.
+    Values that the plan states stay, so that a plan for another cell is detected.  Missing loads
+    are those of the cell.
     """
     seen = digest_of(plan.detections) if scan is None else scan.digest
     arms = tuple(_with_loads(cell, plan, arm) for arm in plan.arms)
@@ -121,12 +120,12 @@ def _with_loads(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> ArmPlan:
 
 
 def check(cell: Cell, certificate: Certificate, scan: Scan | None = None) -> Proof:
-    """Look whether all is so that a certificate says, without searching for it.
+    """Check every statement of a certificate, without searching for a proof.
 
     Args:
-        cell: as it is now.
-        certificate: of which nothing is believed.
-        scan: for which it has to hold; None takes the scene that the certificate holds for.
+        cell: the present cell.
+        certificate: the certificate; every value is checked.
+        scan: for which it must hold; None: the scene of the certificate.
     """
     plan, scene, proof = certificate.plan, certificate.scene, certificate.proof
     if scan is not None:

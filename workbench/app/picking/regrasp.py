@@ -1,4 +1,4 @@
-"""A part that no grasp brings to its place, put on a station and taken anew from there."""
+"""Regrasps a part that no grasp brings to its place: over a station."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -42,26 +42,26 @@ def plan_regrasp(  # noqa: PLR0913 - all that a request for a plan can say, by k
 ) -> PlanResult:
     """A plan that puts a part on a station, with one in a row that takes it from there to a place.
 
-    Searched for are the pose on the station, and for each plan the grasp and the arm, by the least
-    time of both together.  Another arm may take the part than has put it there.
+    The search chooses the pose on the station, and grasp and arm of each plan, by the least total
+    time.  The second arm may differ from the first.
 
     Args:
         cell: with stations.
         scene: what is in the bin.
-        refused: what planning has brought without stations.
-        strategy: see `plan_pick`; one arm is at work at a time, so one for two brings nothing.
-        overrides: see there, like all that follows.
-        avoided: see there.
-        seed: see there.
-        report: progress.
-        cancelled: asked between looks; True ends the work.
-        asked: else as `plan_pick`.
+        refused: the result of planning without stations.
+        strategy: see `plan_pick`; only one arm works at a time, so strategies for two do not help.
+        overrides: see `plan_pick`, as for the following.
+        avoided: see `plan_pick`.
+        seed: see `plan_pick`.
+        report: receives the progress.
+        cancelled: called between steps; True ends the work.
+        asked: further arguments of `plan_pick`.
 
     Returns:
         The two plans; where there are none, `refused` with a verdict that says so.
 
     Raises:
-        JobCancelled: `cancelled` said so.
+        JobCancelled: `cancelled` returned True.
     """
     arms = [arm.name for arm in cell.arms if strategy in ("auto", "single", arm.name)]
     numbers = _that_have_no_place(scene, refused, avoided)[:MOST_PARTS]
@@ -119,9 +119,9 @@ def _that_have_no_place(
 
 
 def _why_not(refusals: Sequence[Verdict]) -> Reason:
-    """What keeps a part from a station that every grasp was tried for, on all ways to stand there.
+    """Why a part cannot go over a station with any grasp and any pose there.
 
-    Whether it can be put down is asked first: what is said of grasps by which it can counts more.
+    Placing is checked first: verdicts on grasps that can place the part count more.
     """
     later = Counter(refusal.reason for refusal in refusals if refusal.reason is not Reason.NO_PLACE)
     return later.most_common(1)[0][0] if later else Reason.NO_PLACE
@@ -135,7 +135,7 @@ def _plan_both(
     policy: Policy,
     picks: Mapping[str, Any],
 ) -> tuple[Proven, Proven] | Message:
-    """The two plans over a way to stand, each proven; or why they are not to be had."""
+    """The two proven plans over a pose on the station, or why there are none."""
     kind, name = scene.detections[number].part, stand.station.name
     at = cell_with(cell, kind, stand, policy)
     result = plan_pick(
@@ -171,7 +171,7 @@ def _plan_both(
 
 
 def _as_put(cell: Cell, plan: Plan, after: Scene) -> Scene:
-    """The scene after a plan onto a station, with how far the part there may be off."""
+    """The scene after a plan onto a station, with the possible error of the part there."""
     (arm_plan,), (*others, standing) = plan.arms, after.detections
     error = held_error(cell, plan.detections[arm_plan.detection], arm_plan)
     return replace(after, detections=(*others, replace(standing, placing=error)))
@@ -188,6 +188,6 @@ def _as_in(cell: Cell, plan: Plan, station: str, note: Message) -> Plan:
 
 
 def _all_but(number: int, scene: Scene) -> dict[int, Message]:
-    """Parts that are left alone while one is taken over a station."""
+    """Parts that are not picked while another goes over a station."""
     why = VerdictNote.AVOIDED_OTHERS()
     return {other: why for other in range(len(scene.detections)) if other != number}

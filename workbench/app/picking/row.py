@@ -49,30 +49,30 @@ def plan_row(  # noqa: PLR0913 - all that a request for a plan can say, by keywo
     report: Report = silent,
     **asked: Any,
 ) -> PlanResult:
-    """As `plan_pick`, and plans after it as far as the scan stays true.
+    """As `plan_pick`, with further plans as long as the scan stays valid.
 
-    Each plan is made and proven in the scene that those before leave (`scene_after`), and begins
-    where they end: every plan begins and ends at home.  Parts that have nothing near go
-    first, since a plan that takes one of a heap ends the row.  With the strategy `both` each of the
-    two has a row of its own: whole rows are compared, and either can be asked for again.
+    Each plan is made and proven in the scene that the plans before leave (`scene_after`).  Every
+    plan begins and ends at home.  Isolated parts go first, since a plan that takes a part of a heap
+    ends the row.  With the strategy `both` each of the two has a row of its own; the better row is
+    used, and either can be requested again.
 
     Args:
         cell: with its parts and policy.
         detections: the parts found, at least one.
-        scan_digest: what they were found in.
-        picks: parts for an arm, or for two, at most; one that goes over a station takes two plans.
-        obstacles: what the scan shows beside the parts.
-        unseen: where that may go on unseen.  Plans stay clear of it as well, where there is one
-            that does; otherwise the note of the first says so.
-        avoided: indices of parts that are left alone for now, and why.
-        wanted: how many parts of each kind may be taken by the whole row; None: any.
-        strategy: as `plan_pick`.
-        report: progress.
-        asked: else as `plan_pick`; and `bases`, see `mating_notes`.
+        scan_digest: digest of the scan that shows them.
+        picks: largest number of plans; a part that goes over a station takes two plans.
+        obstacles: obstacles in the scan other than parts.
+        unseen: space into which the obstacles may extend unseen.  Plans avoid it if possible;
+            otherwise the note of the first plan states so.
+        avoided: indices of parts that are not picked now, with the reason.
+        wanted: how many parts of each kind the whole row may take; None: any number.
+        strategy: as in `plan_pick`.
+        report: receives the progress.
+        asked: further arguments of `plan_pick`; and `bases`, see `mating_notes`.
 
     Raises:
-        InputError: as `plan_pick`, or the cell does not say which parts may move.
-        JobCancelled: see there.
+        InputError: see `plan_pick`, or the cell does not state which parts may move.
+        JobCancelled: see `plan_pick`.
     """
     check_picks(cell, picks)
     scene = Scene(scan_digest, detections, obstacles)
@@ -89,7 +89,7 @@ def plan_row(  # noqa: PLR0913 - all that a request for a plan can say, by keywo
 
 
 def check_picks(cell: Cell, picks: int) -> None:
-    """Look whether this many plans after one scan can be asked for in a cell.
+    """Check that a cell allows this many plans after one scan.
 
     Raises:
         InputError: they cannot.
@@ -105,17 +105,17 @@ def prove_row(
     detections: Sequence[Detection] | None = None,
     scan: Scan | None = None,
 ) -> tuple[Proven, ...]:
-    """Each plan with its proof in the scene that those before leave, as far as these hold.
+    """Each plan with its proof in the scene that the plans before leave, while proofs hold.
 
     Args:
-        cell: as it is now.
+        cell: the present cell.
         plans: to be carried out in this order.
         detections: the parts known to be in the bin at first; see `proving.scene_of`.
         scan: in which they were found; see there.
 
     Raises:
-        CommandRefused: a part that stays may have moved by the time a plan begins, or one of
-            several plans changes a tool.
+        CommandRefused: a remaining part may have moved before a plan begins, or a plan of
+            several changes a tool.
     """
     if problem := tool_change_in_row(plans):
         raise CommandRefused(problem)
@@ -220,7 +220,7 @@ def _row(
 
 
 def _with_mating(cell: Cell, result: PlanResult, bases: Mapping[str, PlacingError]) -> PlanResult:
-    """A result whose plans warn of parts that will mate too seldom with what stands there."""
+    """A result whose plans warn of parts with a low chance of mating with the assembly."""
 
     def warn(plan: Plan) -> Plan:
         notes = tuple(mating_notes(cell, plan, bases))
@@ -239,9 +239,9 @@ def _next(
     is_last: bool,
     **asked: Any,
 ) -> PlanResult:
-    """A plan for a scene, by parts that lie alone where another one is to follow.
+    """A plan for a scene, with isolated parts only if another plan is to follow.
 
-    Where no part can be put to its place, two plans that bring one there over a station.
+    If no part can be brought to its place directly, there are two plans over a station.
     """
 
     def plan_once(left: Mapping[int, Message], begin: float, end: float) -> PlanResult:
@@ -276,14 +276,14 @@ def _holds(result: PlanResult) -> bool:
 
 
 def _carry_over(plan: Plan, avoided: Mapping[int, Message]) -> dict[int, Message]:
-    """What is avoided, by the numbers of the parts that stay once a plan was carried out."""
+    """The avoided parts after a plan, by their indices among the remaining parts."""
     taken = {arm.detection for arm in plan.arms}
     stay = [number for number in range(len(plan.detections)) if number not in taken]
     return {stay.index(number): why for number, why in avoided.items() if number in stay}
 
 
 def _still_wanted(plan: Plan, wanted: Wanted | None) -> Wanted | None:
-    """What is wanted once a plan was carried out; a part on a station goes on by the next plan."""
+    """The wanted parts after a plan; a part on a station continues with the next plan."""
     if wanted is None or plan.stations:
         return wanted
     return wanted.without([plan.detections[arm.detection].part for arm in plan.arms])

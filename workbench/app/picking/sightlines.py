@@ -1,8 +1,8 @@
-"""From where on a plan leaves the scanner its view: proven for all that arms and held parts pass.
+"""From which step on a plan's arms and held parts are out of the scanner's view.
 
-The scanner's view is a pyramid that stands around as one more fixture.  The plan's last steps
-are checked for contacts with it as planning does: continuously, along all that the controller may
-make of the waypoints.  So nothing in it is hidden, and nothing of the robot counts as an obstacle.
+The scanner's view is a pyramid and counts as a fixture.  The plan's last steps are checked for
+contacts with it as in planning: continuously, for all motions that the controller may make of the
+waypoints.  So the robot hides nothing, and no point of it counts as an obstacle.
 """
 
 from dataclasses import replace
@@ -19,7 +19,7 @@ from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.world import World
 
 CLEAR_OF_VIEW = 0.02
-"""[m] By so much arms keep out of the view: its pose is calibrated, and lenses have a width."""
+"""[m] Margin of arms to the view, for calibration errors and the width of lenses."""
 
 AT_THE_PARTS: frozenset[LegName] = frozenset({"reach", "approach", "extract", "stir"})
 """Legs before or at the taking of a part, or among the parts: the scene is not yet what the next
@@ -29,18 +29,17 @@ VIEW = "scanner_view"
 
 
 def sees_from(cell: Cell, plan: Plan) -> int:
-    """From which step of a plan on, counted from 1, the scanner sees past the arms; 0 for none.
+    """The step of a plan, from 1, from which on the scanner's view is free; 0: none.
 
-    From there on no arm, finger or held part comes within `CLEAR_OF_VIEW` of what the scanner
-    sees, whether it moves or stands.  No part is taken any more.  The parts of the robot that no
-    arm moves are as in every scan.  A scanner that cannot see while arms move has no such step.
-    Nor has a change of a tool: the cell is another one after it.
+    From this step on no arm, finger or held part comes within `CLEAR_OF_VIEW` of the view, and no
+    part is taken any more.  Fixed parts of the robot are as in every scan.  A scanner that cannot
+    scan while arms move has no such step.  Neither has a change of tool, as it changes the cell.
 
-    Where a scanner's lenses and lights are apart, the view is from its frame alone.
+    For a scanner whose lenses and lights are apart, the view is that from its frame alone.
 
     Args:
-        cell: whose scanner it is.
-        plan: proven, and the last one before the scan.
+        cell: the cell with the scanner.
+        plan: a proven plan, the last before the scan.
     """
     if not cell.scanner.while_moving or not plan.sequence or plan.is_tool_plan:
         return 0
@@ -60,7 +59,7 @@ def sees_from(cell: Cell, plan: Plan) -> int:
 
 
 def seconds_seen(plan: Plan, first: int) -> float:
-    """How long a plan goes on [s] from the beginning of its step `first` on, counted from 1."""
+    """Duration [s] of a plan from the start of its step `first`, counted from 1."""
     if not first:
         return 0.0
     steps = plan.sequence[first - 1 :]
@@ -68,7 +67,7 @@ def seconds_seen(plan: Plan, first: int) -> float:
 
 
 def _is_out(world: World, stretch: Stretch) -> bool:
-    """Whether nothing that an arm carries is in the view during a step, nor after it."""
+    """Whether no arm or held part is in the view during a step and after it."""
     # Arms that stand count as those that move; how fingers were left may be unknown.
     openings = {arm.name: arm.tool.stroke[1] / 2 for arm in world.cell.arms}
     openings |= stretch.phase.openings
@@ -87,7 +86,7 @@ def _is_out(world: World, stretch: Stretch) -> bool:
 
 
 def _view(scanner: ScannerMount) -> Fixture:
-    """All that the scanner sees up to as far as it measures, as a pyramid with its tip at it."""
+    """The scanner's view up to its largest range, as a pyramid with its tip at the scanner."""
     columns, rows = scanner.resolution
     half = scanner.far * np.tan(scanner.field_of_view / 2)
     x, y = half, half * rows / columns

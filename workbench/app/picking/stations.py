@@ -36,16 +36,16 @@ from workbench.proof.claims.places.standing import standing_after
 from workbench.proof.engine.robot import tree_of
 
 ABOVE_STATION = 0.0005
-"""[m] So much more than the margin a part is above a station when it is let go of."""
+"""[m] Height of a part above a station at the release, beyond the margin."""
 
 STANDS_WITHIN = 2e-4
-"""[m] Points of a part no higher than this are what it stands on."""
+"""[m] Points of a part no higher than this are its contact points."""
 
 BENEATH = 0.001
-"""[m] How far below a part may be what carries it."""
+"""[m] Largest distance of a part from its support below."""
 
 MOST_PAIRS = 6
-"""Ways to stand into which a part can be brought, of which the soonest done ones are planned."""
+"""Number of poses on a station to find, of which the quickest are planned."""
 
 CHECKED = "check"
 """Names the scan of a check, which has none."""
@@ -68,7 +68,7 @@ class Stand:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StationSearch:
-    """What both halves of the search are asked with; `until` [s] of processor time they give up."""
+    """The request of both halves of the search; they end at `until` [s] of processor time."""
 
     cell: Cell
     scene: Scene
@@ -79,7 +79,7 @@ class StationSearch:
     cancelled: Cancelled
 
     def stands(self, kind: str, report: Report) -> list[Stand]:
-        """How a part of that kind can stand so that it can be taken to a place, soonest first."""
+        """Poses on the station from which a part can be taken to a place, quickest first."""
         poses = resting_poses(self.cell.part(kind))
         every = [(station, T) for station in self.cell.stations for T in poses]
         found: list[Stand] = []
@@ -92,7 +92,7 @@ class StationSearch:
         return sorted(found, key=lambda stand: stand.seconds)
 
     def stand(self, kind: str, station: Station, T: pin.SE3) -> Stand | Message:
-        """What becomes of a part that stands on a station in one way, or what speaks against it."""
+        """A pose on a station with its quickest pick to a place, or why it is not possible."""
         points = self.cell.part(kind).mesh.points @ T.rotation.T + T.translation
         if not _is_on(points, station):
             return StationText.TOO_SMALL()
@@ -120,10 +120,10 @@ class StationSearch:
     def pairs(
         self, number: int, stands: list[Stand], refusals: list[Verdict], report: Report
     ) -> list[Stand]:
-        """Those of some ways to stand into which a part found can be brought, soonest done first.
+        """Poses on the station to which a detected part can be brought, quickest first.
 
-        Their time is that of both picks.  `MOST_PAIRS` of them are enough.  What is said of picks
-        that do not work is added to `refusals`.
+        The time is that of both picks.  The search ends at `MOST_PAIRS`.  Verdicts on infeasible
+        picks are added to `refusals`.
         """
         found: list[Stand] = []
         for count, stand in enumerate(stands):
@@ -139,7 +139,7 @@ class StationSearch:
         return sorted(found, key=lambda pair: pair.seconds)
 
     def _picks(self, world: World, number: int, refusals: list[Verdict]) -> Iterator[Pick]:
-        """The first picks of a part that work; what is said of those that do not is added."""
+        """The first feasible picks of a part; verdicts on the others are added."""
         count = 0
         for candidate, at in self._proposed(world):
             if self.cancelled():
@@ -165,9 +165,9 @@ class StationSearch:
 
 
 def station_problems(cell: Cell) -> Iterator[Message]:
-    """What speaks against the stations of a cell: those from which no part can be taken anew.
+    """Problems of a cell's stations: those from which no part can be regrasped.
 
-    Where the cell has recipes, a part that can be by one of them is no problem.
+    If the cell has recipes, it is enough that one of them can regrasp a part.
     """
     cells = [with_recipe(cell, recipe.number) for recipe in cell.recipes] or [cell]
     for station in cell.stations:
@@ -180,7 +180,7 @@ def station_problems(cell: Cell) -> Iterator[Message]:
 
 
 def _station_problem(cell: Cell, station: Station, kind: str) -> Message | None:
-    """Why no part of a kind can be taken anew from a station; None where one can."""
+    """Why no part of a kind can be regrasped from a station; None when it can."""
     arms, around = [arm.name for arm in cell.arms], standing_before(cell, kind)
     search = StationSearch(cell, Scene("", (), around), cell.policy, arms, 0, math.inf, never)
     poses = resting_poses(cell.part(kind))
@@ -216,19 +216,19 @@ def standing_before(cell: Cell, kind: str) -> tuple[Obstacle, ...]:
 
 
 def _is_on(points: Floats, station: Station) -> bool:
-    """Whether what a part stands on is within a station; its points (n, 3) [m] are seen from it."""
+    """Whether a part's contact points are on a station; points (n, 3) [m] in its frame."""
     stands_on = points[points[:, 2] <= points[:, 2].min() + STANDS_WITHIN, :2]
     return bool((np.abs(stands_on) <= station.size / 2 - STANDS_WITHIN).all())
 
 
 def _above(cell: Cell, station: Station, T_world_part: pin.SE3, margin: float) -> pin.SE3:
-    """Where a part is let go of that shall stand on a station: it keeps its margin up to there."""
+    """Release pose of a part above a station, at which it still keeps its margin."""
     up = np.asarray(cell.T_world_station(station).rotation[:, 2])
     return pin.SE3(T_world_part.rotation, T_world_part.translation + (margin + ABOVE_STATION) * up)
 
 
 def cell_with(cell: Cell, kind: str, stand: Stand, policy: Policy) -> Cell:
-    """A cell in which a part has one place: that to stand on a station, whatever is assembled."""
+    """A cell in which a part's only place is a pose on a station."""
     above = _above(cell, stand.station, stand.T_world_part, policy.margin)
     place = (PartPlace(above, kind),)
     return replace(
@@ -241,9 +241,9 @@ def cell_with(cell: Cell, kind: str, stand: Stand, policy: Policy) -> Cell:
 # The robot is built for it, and a film asks at every drawing.
 @functools.lru_cache(maxsize=16)
 def stands_on_station(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> pin.SE3 | None:
-    """`T_world_part` of a part once an arm of a plan has let go of it over its station.
+    """`T_world_part` of a part after its release over a station.
 
-    None where the arm puts it on none, or on one that the cell does not have any more.
+    None if the arm uses no station, or one that the cell does not have any more.
     """
     if arm_plan.station not in [station.name for station in cell.stations]:
         return None
@@ -251,10 +251,10 @@ def stands_on_station(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> pin.SE3 | No
 
 
 def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
-    """The parts of a plan where its arms put them, as far as they stay there.
+    """The parts of a plan at the poses where they stay.
 
-    Those are at places that keep them, in an assembly, and on stations, where they stand until a
-    later plan takes them.
+    These are parts at places that keep them, in an assembly, and on stations until a later plan
+    takes them.
     """
     kinematics, assembled = Kinematics(cell), assembled_kinds(cell)
     by = by_plan(cell, plan)

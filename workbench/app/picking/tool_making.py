@@ -16,7 +16,7 @@ def tool_for(cell: Cell, arm: str, drawn: DrawnTool, report: Report, cancelled: 
     """The tool that is described, for an arm of the cell; nothing is written.
 
     Raises:
-        JobCancelled: somebody has ended it.
+        JobCancelled: a person has ended it.
         InputError: a drawing cannot be used, or the tool reaches into the robot at home.
     """
 
@@ -33,9 +33,9 @@ def tool_for(cell: Cell, arm: str, drawn: DrawnTool, report: Report, cancelled: 
 
 
 def met_at_home(cell: Cell, arm: str) -> str:
-    """The link that an arm's tool reaches into with all arms at home; empty: none.
+    """The link with which an arm's tool collides, with all arms at home; empty: none.
 
-    With its fingers closed, and as far open as they can be.
+    The fingers are checked closed and fully open.
     """
     tool, world = cell.arm(arm).tool, World(cell, ())
     solids = (*tool.body, *(finger.solid for finger in tool.fingers))

@@ -1,4 +1,4 @@
-"""What a session ran with, as a value: it is recorded at every start and told apart from others."""
+"""Inventory of what a session runs with, recorded at every start and compared with others."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -24,12 +24,12 @@ class Distribution:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inventory:
-    """All that a result may depend on beside its input.
+    """Everything besides the input that a result may depend on.
 
-    `workbench` is the version and `files` the SHA-256 of its own files; `processor` is the model
-    with what it can do, `system` kernel and C library.  `parts` (name -> digest) and
-    `calibration`, the digest of where the scanner hangs, are in `cell_digest` too, so that a
-    change is reported by its name.  `users` (name -> role) are those who may come in.
+    `workbench` is the version, `files` the SHA-256 of its own files.  `processor` is the model
+    with its features, `system` the kernel and the C library.  `cell_digest` covers `parts` (name ->
+    digest) and `calibration` (digest of the scanner's pose), too.  They stand here so that a change
+    can be reported by its name.  `users` (name -> role) have access.
     """
 
     workbench: str

@@ -138,7 +138,7 @@ def _entries(journal: Journal) -> list[tuple[str, dict[str, Any]]]:
 
 
 def _refuse_second(entries: Sequence[tuple[str, dict[str, Any]]], digest: str) -> None:
-    """Refuse a plan that was let out, but for one of which nothing has reached the controller."""
+    """Refuse a plan that was sent before, unless nothing of it has reached the controller."""
     taken = None
     for kind, body in entries:
         if body["plan_digest"] != digest:

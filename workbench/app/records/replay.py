@@ -21,12 +21,12 @@ def replay(
     Args:
         journal: of the session.
         cell: that the session ran with.
-        is_judged: whether today's rules have to let each entry pass, too.  A session that is
-            continued is not judged: rules that have become stricter would end it for ever.
+        is_judged: whether the present rules must allow each entry.  A session that is continued
+            is not judged, since stricter rules would end it for ever.
 
     Raises:
-        JournalError: the session ran with another cell, an entry cannot be read, the rules
-            would not have let it pass, or another state follows from it than was recorded.
+        JournalError: the session ran with another cell; an entry cannot be read, is against the
+            rules, or gives a state other than the recorded one.
     """
     rows = journal.entries()
     first = next(rows, None)

@@ -41,7 +41,7 @@ BACKUPS = Path("backups")
 """Below the working directory: what was there before something was restored, and a log."""
 
 _RESTORING = threading.Lock()
-"""One restores at a time, whoever asks."""
+"""Held during a restore: only one runs at a time."""
 
 KEPT_USERS = "users.json"
 """The users in a backup, if it has them."""
@@ -177,12 +177,12 @@ def put_in_place(root: Path, backup: Unpacked) -> None:
 
 
 def look_apart(file: Path, root: Path, *, cancelled: Cancelled = never) -> tuple[Thing, ...]:
-    """What restoring a backup would do below a working directory, told by a process of its own.
+    """What restoring a backup would change in a working directory, found by a separate process.
 
     Args:
         file: the backup.
         root: the working directory.
-        cancelled: True once nobody wants to know any more.
+        cancelled: True ends the process.
 
     Raises:
         InputError: it cannot be restored.

@@ -27,7 +27,7 @@ class Before:
 
 
 def start(ran: Inventory, before: Before | None) -> Started:
-    """What has to be told of a start with what runs now, and of the one before it."""
+    """The start record of an inventory, with its differences to the start before."""
     if before is None:
         return Started(ran)
     changes = tuple(dict.fromkeys((*before.changed, *differences(before.ran, ran))))
@@ -37,7 +37,7 @@ def start(ran: Inventory, before: Before | None) -> Started:
 def start_before(root: Path, cell: str) -> Before | None:
     """The last start with a cell of that name, of all sessions below `root`; None without one.
 
-    Trials do not count.  What cannot be read is passed over: that is reported by whoever opens it.
+    Trials do not count.  Unreadable sessions are skipped; opening them reports the error.
     """
     found: list[tuple[float, Before]] = []
     for folder in _newest(root):

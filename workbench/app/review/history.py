@@ -92,7 +92,7 @@ class History:
         Raises:
             CommandRefused: always.
         """
-        raise CommandRefused("this is a recorded session: it can be looked at, nothing else")
+        raise CommandRefused("this is a recorded session: it is read-only")
 
     def entries(self, after: int = 0) -> Iterator[Row]:
         """What is on record after the entry with that number."""

@@ -25,17 +25,17 @@ OTHER_STEP = float(np.deg2rad(0.015))
 either: only what is farther apart is another way."""
 
 MOVED = 2e-5
-"""[m] So far points, parts and clearances may be apart: a tenth of what a fine scanner resolves."""
+"""Tolerance of points, positions and clearances [m]: a tenth of a fine scanner's resolution."""
 
 MOST_TURNED = float(np.deg2rad(0.02))
-"""[rad] So far parts may be turned."""
+"""Tolerance of part rotations [rad]."""
 
 ELSEWHERE = 0.001
 """Share of a scan's points that may lie elsewhere or be missing: at an edge a ray that passes by
 meets the surface behind it."""
 
 SCORED = 0.001
-"""So far scores, and shares of a surface, may be apart."""
+"""Tolerance of scores and of shares of a surface."""
 
 SMALLEST_SHOWN = 0.001
 """[mm, degrees] What is less is reported as this."""
@@ -154,7 +154,7 @@ def _pose_error(cell: Cell, detection: Detection, other: Detection) -> tuple[flo
 
 
 def _part_problem(detection: Detection, other: Detection, distance: float, turn: float) -> str:
-    """What tells two detections apart; empty when tolerances cover it."""
+    """How two detections differ; empty within tolerances."""
     if distance > MOVED or turn > MOST_TURNED:
         return f"lies {_millimetres(distance)} and {_degrees(turn)} elsewhere"
     if detection.roll_known != other.roll_known:

@@ -90,16 +90,16 @@ def recorded_drift(folders: Sequence[Path], cell: Cell, report: Report) -> Recor
 
 
 def refined_cell(cell: Cell, drift: Drift, at: float, by: str) -> Cell:
-    """The cell with its scanner where calibration, drift and parts together say.
+    """The cell with the scanner pose that calibration, drift and placed parts give together.
 
     Args:
-        cell: that the drift was told of.
+        cell: the cell of the recorded scans.
         drift: see `recorded_drift`.
-        at: [s since the epoch] when.
-        by: the person who takes it over.
+        at: time of the change [s since the epoch].
+        by: the person who accepts it.
 
     Raises:
-        InputError: nothing says that it hangs elsewhere.
+        InputError: no record shows that the scanner has moved.
     """
     if drift.moved is None or drift.covariance is None:
         raise InputError("nothing recorded says that the scanner hangs elsewhere")

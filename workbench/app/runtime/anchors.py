@@ -1,7 +1,7 @@
-"""Anchors: the head of a journal, told elsewhere at every approval, so that a rewriting is noticed.
+"""Anchors: the head of a journal, written elsewhere at every approval, to detect a rewriting.
 
-An anchor is a number of an entry with its hash, which stands for all entries up to there.  A place
-is a file, better on another disk, which gets a line of JSON, or an address that each is posted to.
+An anchor is the number of an entry with its hash, which covers all entries up to it.  A place is a
+file, better on another disk, that gets a line of JSON, or an address that receives each by POST.
 """
 
 import json
@@ -60,13 +60,13 @@ def place(typed: str) -> Put:
 
 
 class Anchors:
-    """Tells every place of each approval on record, in order.
+    """Writes an anchor of each recorded approval to every place, in order.
 
-    What a place does not take is reported again with the next change of the state, and at the end.
+    An anchor that a place refuses is written again at the next change of the state, and at the end.
 
     Lifetime: from construction until `close`; ends before the bench.
 
-    Concurrency: tells from the observer's thread of the bench, so nobody waits for a place.
+    Concurrency: writes in the observer's thread of the bench, so nobody waits for a place.
     """
 
     def __init__(self, bench: Bench, places: Mapping[str, Put], now: Callable[[], float]):

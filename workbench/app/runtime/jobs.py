@@ -58,13 +58,13 @@ ATTEMPTS = 3
 """Workers in a row that may die before they are ready; after that a job has to ask for one."""
 
 Ended = Callable[[int, Any], None]
-"""Told the number of a job and its result, or the `WorkbenchError` that ended it."""
+"""Callback with the number of a job and its result, or the `WorkbenchError` that ended it."""
 
 Progressed = Callable[[int, float, MessageText | str], None]
-"""Told the number of a job, the share done 0..1, and what is being done."""
+"""Callback with the number of a job, the share done (0..1), and the present activity."""
 
 Prepared = Callable[[GettingReady | None], None]
-"""Told how far what the first job waits for is, and None once jobs are taken."""
+"""Callback with the progress of the worker's start; None once it accepts jobs."""
 
 
 class Jobs:

@@ -1,7 +1,7 @@
-"""What goes on at this moment: for looking at, and not recorded.
+"""Live data for display, which is not recorded.
 
-It decides nothing, but for the joints: the bench writes them into the entry of an approval and of
-a sending, where the rules compare them with the start of the plan.
+The rules use only the joints: the bench writes them into the entries of an approval and a sending,
+where the rules compare them with the start of the plan.
 """
 
 from collections.abc import Mapping

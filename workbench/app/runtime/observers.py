@@ -9,7 +9,7 @@ from workbench.app.core.state import State
 log = logging.getLogger(__name__)
 
 Observer = Callable[[State, State], None]
-"""Told the state that it was told last, and the newest one."""
+"""Callback with the state of its previous call and the newest state."""
 
 
 class ObserverThread:
@@ -21,7 +21,7 @@ class ObserverThread:
     """
 
     def __init__(self, callback: Observer, state: State) -> None:
-        """Wait for a state other than this one, which counts as told."""
+        """Wait for a state other than this one, which counts as reported."""
         self._callback = callback
         self._seen = self._newest = state
         self._changed = threading.Condition()
@@ -29,7 +29,7 @@ class ObserverThread:
         threading.Thread(target=self._run, name="observer", daemon=True).start()
 
     def put(self, state: State) -> None:
-        """Have it told; one that waits still is not reported any more."""
+        """Report a state; it replaces a state that still waits."""
         with self._changed:
             self._newest = state
             self._changed.notify()

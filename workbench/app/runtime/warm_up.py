@@ -121,7 +121,7 @@ COMPILED: Mapping[Use, int] = {"seeing": 220, "planning": 270}
 
 
 class _Teller(event.Listener):
-    """Tells the share done whenever a function was compiled."""
+    """Prints the share done whenever a function was compiled."""
 
     def __init__(self, expected: int) -> None:
         self._expected = expected

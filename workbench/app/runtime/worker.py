@@ -28,7 +28,7 @@ from workbench.plugins.progress import Cancelled, Report
 JobFunction = Callable[[Cell, Mapping[str, Any], Report, Cancelled], Any]
 
 REPORT_EVERY = 0.05
-"""Progress within the same note is told this often [s] and not more."""
+"""Shortest interval [s] between progress reports with the same note."""
 
 
 class Flag(Protocol):

@@ -14,11 +14,14 @@ FAILED = set(PickResult) - {PickResult.PICKED}
 
 @dataclass(frozen=True, slots=True)
 class GraspUse:
-    """Of one grasp, or of several together.
+    """Use of one grasp, or of several together.
 
-    `tried` is how often it was judged for a part in the bin, `possible` how often it would have
-    worked, `planned` how often a plan went by it; `picked` and `failed` are what became of that.
-    A part that was dropped, and two in the hand, count as failed.
+    Attributes:
+        tried: how often it was checked for a part in the bin.
+        possible: how often it was feasible.
+        planned: how often a plan used it.
+        picked: how often such a pick succeeded.
+        failed: how often such a pick failed; dropped parts and double picks count as failed.
     """
 
     tried: int = 0

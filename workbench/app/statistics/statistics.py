@@ -1,7 +1,7 @@
-"""What a session has brought: how many parts, how surely, how fast, and what was in the way.
+"""Statistics of a session: number of parts, success rate, speed, and reasons of refusals.
 
-A pure function from the entries of a journal to a value; entries are told by their kind first,
-and only those that count are read, so that the many messages on the wire cost nothing.
+A pure function from the entries of a journal to a value.  It reads only the kinds of entries that
+count, so that the many messages to the controller cost nothing.
 """
 
 from collections import Counter, defaultdict
@@ -200,7 +200,7 @@ class Count:
 
     @property
     def value(self) -> Statistics:
-        """What has been counted so far."""
+        """The statistics until now."""
         return Statistics(
             tuple(self._cycles),
             tuple(self._refusals.most_common()),

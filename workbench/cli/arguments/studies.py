@@ -289,8 +289,8 @@ class StudyBop:
     sensor: str = ""
     """Which one, where scenes have several: scene_camera_SENSOR.json, depth_SENSOR and so on."""
     cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml: its localizer searches, and its scanner's noise
-    counts where an image tells none."""
+    """Name under robots/, or path of a cell.toml.  Its localizer searches; its scanner's noise
+    counts where an image states none."""
     own_bin: bool = False
     """The images are of that cell's bin, by its scanner.  If not, things are searched for above the
     plane on which most of an image lies: a floor little above a table is taken for the table."""

@@ -160,7 +160,7 @@ def import_world(typed: arguments.Import) -> int:
 
 
 def _read(typed: CellNew) -> tuple[RobotInPlace, Description]:
-    """The robot with its meshes as they are, and what stands around it where the file tells."""
+    """The robot with its original meshes, and its surroundings if the file describes them."""
     if typed.urdf.is_dir():
         raise InputError(_file_to_name(typed.urdf))
     kind = typed.urdf.suffix.lower()

@@ -58,7 +58,7 @@ class Sample:
 def soak(typed: BenchSoak) -> int:
     """Run the cycles; succeeds when none was lost and the journal is whole.
 
-    Ctrl-C ends them early and states what has been so far.
+    Ctrl-C ends them early and prints the results until then.
     """
     check_whole("--cycles", typed.cycles, 1, 1_000_000)
     check_whole("--piles", typed.piles, 1, 10_000)

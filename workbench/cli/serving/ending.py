@@ -1,4 +1,4 @@
-"""SIGINT and SIGTERM: how somebody tells a command that runs to end."""
+"""SIGINT and SIGTERM: how a person ends a running command."""
 
 import signal
 from queue import SimpleQueue

@@ -12,7 +12,7 @@ others have published and run, and what ABB's people answered, at github.com: `a
 - Nothing heard for `\CommTimeout`, 1 s where it is not said, is ERR_UDPUC_COMM.
 - `\DataFromSensor` holds the numbers of the last answer, `\DataToSensor` goes with each message.
 
-What is not told there is not modelled, and refused by its name: other arguments and ways to stop.
+Other arguments and ways to stop are not modelled: they are refused by their names.
 """
 
 # The prelude gives the types of what natives take, and every call is checked against it.

@@ -1,8 +1,8 @@
-"""One sending: looks first, then answers each report with a reference; any doubt ends the motion.
+"""One sending: checks first, then answers each report with a reference; any doubt ends the motion.
 
-The controller's reports are the clock: each is answered by the next reference along the leg, never
-by two.  Where reports or answers are lost the robot is later than planned, never faster, and always
-on its way.  A robot that is told nothing new stays where the last reference was.
+The controller's reports are the clock: each is answered by exactly one reference, the next along
+the leg.  When reports or answers are lost, the robot is later than planned, but never faster and
+never off its path.  Without a new reference the robot stays at the last one.
 """
 
 import select
@@ -31,7 +31,7 @@ START_TOLERANCE = np.deg2rad(0.2)
 """[rad] A joint may stand this far from where the plan begins, or a leg ends."""
 
 FOLLOWING_TOLERANCE = np.deg2rad(1.0)
-"""[rad] A joint may be so far from where its references were within `LAG`, also where it stands."""
+"""Largest distance [rad] of a joint from its references within `LAG`, also at rest."""
 
 LAG = 25
 """[references] 0.1 s: this far behind may the robot be."""
@@ -40,17 +40,17 @@ GENTLE = 50
 """[references] In this many it goes from where it stands to where the plan begins."""
 
 SETTLE = 750
-"""[reports] 3 s: so long may it take to come to rest at the end of a leg."""
+"""[reports] Longest time to come to rest at the end of a leg: 3 s."""
 
 REPORTS_FIRST = 5
-"""[reports] That have to come in order before anything is sent."""
+"""[reports] Number of reports in order that must come before anything is sent."""
 
 CONNECT = 2.0
 """[s] A controller whose EGM runs is heard at once."""
 
 POLL_EVERY = 0.05
 SHOWN_EVERY = 25
-"""[reports] Between two looks for whoever watches."""
+"""[reports] Interval of the status for people."""
 
 
 class EgmSending:

@@ -32,14 +32,14 @@ HELD_UP = 60
 """[reports] 240 ms."""
 
 LOCKSTEP = 0.5
-"""[s] So long is an answer waited for, faster than in real time."""
+"""[s] Timeout of an answer, when the twin runs faster than real time."""
 
 OTHER_ARM_WAIT = 0.01
-"""[s] So long is the answer of one arm waited for when another's has come: a plan that has ended
-for one arm is answered for the other alone, to which this must be no silence."""
+"""[s] Timeout of one arm's answer after another's has come.  A plan that has ended for one arm is
+answered only for the other, so this must not count as silence."""
 
 STATES = 25
-"""[reports] Of which one goes to the port for states: the controller streams there more slowly."""
+"""[reports] One of this many goes to the port for states, where the controller streams slowly."""
 
 FREE_PORTS = range(20_000, 32_000)
 """Ports that no system gives to a socket by itself, and few programs listen on."""
@@ -47,7 +47,7 @@ FREE_PORTS = range(20_000, 32_000)
 _offsets = itertools.count(secrets.randbelow(len(FREE_PORTS)))
 
 INTO = 10
-"""[reports] A fault comes so long after its leg began."""
+"""[reports] Delay of a fault after the start of its leg."""
 
 
 class SimulatedEgm:

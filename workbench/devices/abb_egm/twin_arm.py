@@ -1,4 +1,4 @@
-"""One arm of the twin: it follows references, and its module in RAPID does what it is told once."""
+"""One arm of the twin: it follows references, and its RAPID module runs each command once."""
 
 import math
 

@@ -52,9 +52,9 @@ class Motion:
         """Begin with the first step.
 
         Args:
-            program: what is run.
-            body: that moves.
-            paces: of arms that run slower than told, or faster; 1 for those not named.
+            program: the program to run.
+            body: the body that moves.
+            paces: speed of each arm relative to the command; 1 for arms not named.
 
         `waits` is the step of a stepped program that it stands before, 0 while none waits.
         """

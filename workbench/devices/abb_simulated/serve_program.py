@@ -64,7 +64,7 @@ class ProgramClient:
     """
 
     def __init__(self, client: socket.socket, station: ServedRobot) -> None:
-        """`client` has been told `send`, and has not been answered yet."""
+        """Serve a `client` that got `send` and has sent no plan yet."""
         self._client, self._station, self._body = client, station, station.body
         self._serving = Serving(self._body.cell, self._body.standing, station.tickets)
         self._motion: Motion | None = None

@@ -1,4 +1,4 @@
-"""A simulated controller with a client that speaks `abb-socket`: asks, and does what it is told."""
+"""A simulated controller for a client that speaks `abb-socket`: requests commands and runs them."""
 
 import select
 import socket
@@ -24,7 +24,7 @@ class RequestClient:
     """
 
     def __init__(self, client: socket.socket, station: ServedRobot) -> None:
-        """`client` has been told `send` once."""
+        """Serve a `client` that got `send` once."""
         self._client, self._station, self._body = client, station, station.body
         self._commands = Commands(self._body.cell)
         self._patience = station.patience

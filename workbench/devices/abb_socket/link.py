@@ -95,7 +95,7 @@ def _converse(
     show: Callable[[LinkStatus], None],
     patience: LinkPatience,
 ) -> Iterator[Receipt]:
-    """Say and hear until the end; whatever else happens, the robot is told to stop."""
+    """Send and receive until the end; in all other cases, command the robot to stop."""
     clock = patience.clock
     try:
         while not talk.is_over:

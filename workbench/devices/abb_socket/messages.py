@@ -3,10 +3,10 @@
 The controller is the server.  Each time it is ready it sends `send`; the other side answers
 with one message:
 
-    startR#                                 the right arm begins (L: the left one)
-    inR#*-12.50*...*0.00*                   a configuration on the way in, axes 1 to 7, degrees
-    outR#*-12.50*...*0.00*                  a configuration on the way out
-    stopR#                                  the right arm has finished
+    startR#                                 The right arm begins (L: left arm).
+    inR#*-12.50*...*0.00*                   A configuration on the way in, axes 1 to 7, degrees.
+    outR#*-12.50*...*0.00*                  A configuration on the way out.
+    stopR#                                  The right arm has finished.
 
 The gripper closes between the last `in` and the first `out`, and opens at `stop`.  Legs `reach`
 and `approach` travel as `in`; `extract`, `return` and `place` as `out`; `home` and `view` are

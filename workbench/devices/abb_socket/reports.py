@@ -1,4 +1,4 @@
-"""What a controller reports of itself to whoever wants to know: one JSON object a line."""
+"""The state that a controller reports to any client: one JSON object a line."""
 
 import json
 import math

@@ -1,17 +1,17 @@
-"""Our side of `abb-socket/2` without sockets: what to say next, and what to make of the answer.
+"""Our side of `abb-socket/2` without sockets: the next message, and the meaning of each answer.
 
-    controller  send                            as in `abb-socket`, on every new connection
-    we          hello abb-socket/2              whoever wants the older protocol says `startR#`
-    controller  hello abb-socket/2 <arms>
-    we          plan, ticket, start..., leg, to...    each is acknowledged before the next goes out
-    we          end, run                        from here on the robot moves
-    controller  state, at                       again and again
-    we          next                            only of a plan sent step by step: a step may run
-    controller  part                            once for each hand that lets go
-    controller  done
+    controller  send                            As in `abb-socket`, on every new connection.
+    we          hello abb-socket/2              A client of the older protocol sends `startR#`.
+    controller  hello abb-socket/2 <arms>.
+    we          plan, ticket, start..., leg, to...    Each is acknowledged before the next.
+    we          end, run                        From here on the robot moves.
+    controller  state, at                       Sent repeatedly.
+    we          next                            Allows a step, when a plan is sent step by step.
+    controller  part                            Once for each hand that releases a part.
+    controller  done.
 
-While the robot moves we say `ping`, and whoever hears nothing for its patience takes the link for
-dead: we stop, and so does the controller.  `abort` may be said at any time.
+While the robot moves, we send `ping`.  A side that receives nothing for its patience takes the link
+for dead: we stop, and so does the controller.  `abort` may be sent at any time.
 """
 
 from collections.abc import Callable, Iterator, Mapping

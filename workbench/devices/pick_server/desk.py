@@ -1,4 +1,4 @@
-"""The seam to whoever scans, finds and plans: the pick server itself only hands plans out."""
+"""Interface to scanning, search and planning: the pick server itself only delivers plans."""
 
 from typing import Protocol
 

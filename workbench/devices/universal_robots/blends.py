@@ -42,11 +42,11 @@ LARGEST_SHARE = 0.49
 """Share of the distance between two waypoints that a radius may have: blends must not overlap."""
 
 UNEVEN = 1.5
-"""One side of a blend may take this many times longer than the other.
+"""Largest ratio of the durations of the two sides of a blend.
 
-Over T seconds, a curve of fifth degree whose second derivatives are zero at its ends leaves by 2/5
-T of the velocity there before it turns (its Bezier points).  That is no farther than the corner
-while T is at most 2.5 times what that side takes.
+The blend is a curve of fifth degree over T seconds, with zero acceleration at its ends.  By its
+Bezier points it goes straight on for 2/5 T at the velocity of its end.  That stays before the
+corner while T is at most 2.5 times the duration of that side.
 """
 
 SHARPEST = 0.5

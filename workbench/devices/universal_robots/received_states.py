@@ -68,7 +68,7 @@ class UrState:
 
 
 class States:
-    """The states among what a client tells, each once.
+    """The states in the messages of a client, each once.
 
     Lifetime: one connection.
     """

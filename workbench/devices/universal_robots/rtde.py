@@ -31,7 +31,7 @@ PROGRESS = 12
 """Output register with the ticket of the program, and the number of the leg that runs."""
 
 TICKETS = 100
-"""So many values of that register belong to each ticket: legs are fewer."""
+"""Number of values of that register for each ticket, more than a plan has legs."""
 
 REFUSED = TICKETS - 1
 """The last of them: this program has come once more, and has not begun again."""

@@ -8,11 +8,11 @@ registers leave some out then: Universal Robots, "Trajectory improvements for se
 proportional term, and `lookahead_time` projects the joint's position by its speed.  `Following`
 reads that as q'' = gain (reference - q - lookahead q'): a joint lags by `lookahead` behind a steady
 stream, as a user has measured (34 ms at 0.03 s and 1200: issue 86 of
-Universal_Robots_Client_Library).  To second order such an arm leaves the way by
-(lookahead^2 - 2 / gain) q'' / 2, next to nothing at 0.03 s and 2000, which the maker's own driver
-takes; degrees at twice or three times that lag.  So each leg is streamed so slowly that the arm
-stays within `FOLLOWS_WITHIN` of the proven curve by this reading.  It is no word of the maker: the
-link compares the joints that are reported with the curve all the time.
+Universal_Robots_Client_Library).  To second order such an arm leaves the path by
+(lookahead^2 - 2 / gain) q'' / 2.  That is next to nothing at 0.03 s and 2000, the values of the
+maker's own driver.  At two or three times that lag it is several degrees.  So each leg is streamed
+slowly enough to stay within `FOLLOWS_WITHIN` of the proven curve by this model.  The maker does not
+confirm the model, so the link compares the reported joints with the curve all the time.
 """
 
 import math
@@ -33,10 +33,10 @@ PERIOD = 0.008
 """[s] A whole number of the controller's steps, on CB3 (8 ms) and on the e-Series (2 ms)."""
 
 SETTLED = 8
-"""[lookaheads] So long the last reference is repeated: the arm stands before a gripper moves."""
+"""[lookaheads] Duration of the last reference, so that the arm stands before a gripper moves."""
 
 FOLLOWS_WITHIN = np.deg2rad(0.1)
-"""[rad] A joint that follows may be this far from the way of its references."""
+"""[rad] Largest distance of a joint from the path of its references."""
 
 SLOWER = 0.9
 """What a leg's pace is multiplied by until the arm follows so closely."""

@@ -35,7 +35,7 @@ LONGEST_PROGRAM = 1 << 22
 """[bytes] Who says more before an end is not listened to."""
 
 MOST_PROGRAMS = 100
-"""So many of the programs that came are remembered."""
+"""Number of received programs that are stored."""
 
 FAULTS = ("protective-stop", "cut", "local", "brakes", "stray")
 """A protective stop in a leg; all connections cut in a leg; the robot is in local control; a stop

@@ -9,12 +9,12 @@ from typing import Any
 from workbench.devices.universal_robots import rtde
 
 SHORTEST = 0.01
-"""[s] Between two states: no client is told more."""
+"""Shortest interval between two states that a client gets [s]."""
 
 POLL_EVERY = 0.05
 
 Heard = Callable[[socket.socket, int], bytes | None]
-"""What a client says, so many bytes at most; nothing within a moment is empty, None is its end."""
+"""Reads at most this many bytes from a client: empty after a timeout, None when it has closed."""
 
 
 class RtdePort:

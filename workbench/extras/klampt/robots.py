@@ -225,7 +225,7 @@ def _most(kind: JointKind) -> float:
 
 
 def _unit(path: Path, axis: Floats) -> Floats:
-    """An axis of length 1; to Klamp't a longer one is a joint that goes further than told."""
+    """An axis of length 1; a longer axis makes Klamp't move the joint further than commanded."""
     length = float(np.linalg.norm(axis))
     if not abs(length - 1.0) < UNIT:
         raise FileError(path, f"axis: must be a unit vector, {quote(axis.tolist())} is given")

@@ -70,7 +70,7 @@ class Door(UserManager):
     """
 
     def __init__(self, options: OpcUaOptions, now: Callable[[], float] = time.monotonic):
-        """A door by these options; `now` tells [s] and does not jump."""
+        """Admission by these options; `now` returns a monotonic time [s]."""
         self._options, self._now = options, now
         self._failed: deque[float] = deque(maxlen=MOST_FAILURES)
 

@@ -35,7 +35,7 @@ class Argument:
     says: str
 
     def describe(self) -> ua.Argument:
-        """As clients are told it."""
+        """The description that clients get."""
         argument = ua.Argument()
         argument.Name = self.name
         argument.DataType = ua.NodeId(ua.Int32(self.kind.value))

@@ -30,8 +30,8 @@ GLANCE = 0.05
 """[s] Between two looks whether to end."""
 
 LAST_IMAGES = 5.0
-"""[s] So long after the last image that came a recording that was read to its end may hand over one
-more: they wait for us, also where other programs leave us little of the processor."""
+"""[s] Time after the last image in which a finished recording may deliver another: images wait for
+this program, also when other programs use the processor."""
 
 
 @dataclass(frozen=True, slots=True)

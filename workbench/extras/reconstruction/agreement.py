@@ -18,8 +18,8 @@ def looked_through(views: Sequence[DepthView], gate: float) -> Floats:
 
     Args:
         views: n of them, in the model's frame.
-        gate: [m] what is measured by so much further away was seen through the point.  As
-            many others as carve a surface away must have done so.
+        gate: [m] a view that measures further than this behind a point has seen through it.  It
+            takes as many such views as carve a surface away.
     """
     shares: list[float] = []
     for view in views:

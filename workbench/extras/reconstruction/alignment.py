@@ -87,7 +87,7 @@ def _thin(view: DepthView) -> tuple[Floats, Floats]:
 
 
 def _way(cloud: tuple[Floats, Floats], given: pin.SE3, now: pin.SE3) -> pin.SE3:
-    """What takes the view from one pose to the other, told about the middle of its points."""
+    """The motion of a view from one pose to the other, about the centre of its points."""
     middle = pin.SE3(np.eye(3), cloud[0].mean(axis=0))
     return (given * middle).inverse() * (now * middle)
 

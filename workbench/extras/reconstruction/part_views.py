@@ -44,10 +44,10 @@ def read_views(folder: Path) -> PartViews:
     """The scans that `views.toml` in a folder lists, each with its pose.
 
     The file holds `format`, `low_mm` and `high_mm` of the region, `unit` and `axes` of the scans
-    (m and z_forward when left out), and for each scan a table `[[scan]]` with `file`, beside it.
-    With a table `[turntable]`, `axis` and `point_mm` in the scanner's frame, each scan has
-    `angle_deg`, by which the table was turned about its axis; without one it has
-    `T_model_scanner`, the 16 numbers of a matrix row by row, its shift in millimetres.
+    (default: m and z_forward).  Each scan has a table `[[scan]]` with `file` in the same folder.
+    A table `[turntable]` states `axis` and `point_mm` in the scanner's frame; then each scan has
+    `angle_deg`, the rotation of the table about its axis.  Without a turntable each scan has
+    `T_model_scanner`, the 16 numbers of a matrix row by row, with its translation in millimetres.
 
     Raises:
         FileError: names file, key, value and what was expected.

@@ -48,14 +48,16 @@ SEEN = 2.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reconstruction:
-    """A closed surface, and how far it can be believed.
+    """A closed surface, and how reliable it is.
 
-    `mesh` [m] in the frame of the scans' world; `unseen` the share (0..1) of its area where
-    nothing was measured and it was closed; `voxel` [m] the width of those it was made in;
-    `Ts_model_scanner` the poses of the scans that were used, as given or a little better;
-    `apart` [m] how far points of one scan lie from what the others show, in the median, as the
-    poses were given and as they were used; `shared` is what the scan that has least in common with
-    the others shares with them of what it shows of the part (0..1).
+    Attributes:
+        mesh: the surface [m], in the world frame of the scans.
+        unseen: share of its area (0..1) that no scan shows and that was closed.
+        voxel: width of the voxels [m].
+        Ts_model_scanner: poses of the scans, as given or refined.
+        apart: median distance of a scan's points from the other scans [m], with the given and
+            with the used poses.
+        shared: smallest share (0..1) of a scan's view of the part that other scans show, too.
     """
 
     mesh: Mesh
@@ -77,17 +79,17 @@ def reconstruct(
     """Merge scans of one part, taken from known poses, into one closed surface.
 
     Args:
-        scans: their world is the model's frame: `T_world_scanner` is where the scanner was as seen
-            from the part, such as from the turntable or the flange that holds it.
-        bounds: in which the part is and nothing else.
-        voxel: [m] width; None takes that of the scans' pixels.
-        tolerance: [m] of the simplification.
-        refine: improve the poses by what several scans show (`alignment`), and refuse those that
-            do not fit; False takes them as they are.
+        scans: `T_world_scanner` is the pose of the scanner in the model's frame, which is fixed to
+            the part, its turntable, or the flange that holds it.
+        bounds: a box that contains the part and nothing else.
+        voxel: width of the voxels [m]; None: that of the scans' pixels.
+        tolerance: of the simplification [m].
+        refine: whether to align the scans with each other (`alignment`) and refuse those that do
+            not fit; False uses the given poses.
 
     Raises:
-        InputError: too few scans, one that shows nothing in the region, voxels too small for it,
-            no part in it, no place that two scans show, or a scan that does not fit the others.
+        InputError: too few scans, no part in the region, or voxels too small for it; or a scan
+            shows nothing there, overlaps with no other scan, or does not fit the others.
     """
     if not FEWEST_SCANS <= len(scans) <= MOST_SCANS:
         raise InputError(

@@ -118,12 +118,12 @@ def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:
     """The poses that `calibration.toml` in a folder lists; the scans are not read yet.
 
     Args:
-        folder: holds `calibration.toml`: `format`, `arm`, `unit` of the scans, that of the cell's
-            scanner when left out, a table `[plate]` with `ball_mm` (diameter), `sides_mm` (first
-            ball to second, second to third, third to first) and `stands`, whether no arm holds it,
-            and for each pose a table `[[pose]]` with `scan`, a file next to this one, and
-            `joints_deg`, as the controller counts and shows them.
-        cell: whose arm it is: it holds the plate, or carries the scanner.
+        folder: holds `calibration.toml` with `format`, `arm` and `unit` of the scans (default:
+            that of the cell's scanner).  A table `[plate]` has `ball_mm` (diameter), `sides_mm`
+            (balls 1 to 2, 2 to 3, 3 to 1) and `stands` (whether no arm holds it).  Each pose has a
+            table `[[pose]]`: `scan` is a file in this folder, `joints_deg` are in the
+            controller's order and sense.
+        cell: the cell of the arm, which holds the plate or carries the scanner.
 
     Raises:
         FileError: names file, key, value and what was expected.

@@ -31,17 +31,19 @@ UNWRITABLE = FileProblem.UNWRITABLE()
 
 
 def save_cell(path: Path, cell: Cell) -> None:
-    """Write into a cell file what a cell has otherwise than the file.
+    """Write the differences between a cell and its file into the file.
 
-    Which parts it picks, poses of robot, bin, regions, scanner and fixtures, the scanner's
-    calibration, pose on its arm, unit, axes and range, sizes of the bin, homes, places and the
-    tools of the arms, TCPs of tools, tools that are new or gone, and of the policy the lifts and
-    the margin of straight legs can be written; the file is left as it is when anything else
-    differs.
+    If anything other than these differs, the file stays unchanged:
+
+    - the parts that the cell picks;
+    - poses of robot, bin, regions, scanner and fixtures, and sizes of the bin;
+    - the scanner's calibration, pose on its arm, unit, axes and range;
+    - homes, places and tools of the arms, TCPs, and new or removed tools;
+    - of the policy: the lifts and the margin of linear motions.
 
     Args:
         path: of the cell file, which must be readable as a cell.
-        cell: as it should be read from now on.
+        cell: the cell to write.
 
     Raises:
         FileError: the file cannot be read or written, or something else differs.

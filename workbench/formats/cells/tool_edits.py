@@ -24,11 +24,11 @@ COMPARED_DIRECTIONS = np.array(
 
 
 def edit_tools(document: Any, old: Cell, new: Cell, folder: Path) -> None:
-    """Write what arms carry, and the tools that are new, gone, or have another TCP.
+    """Write which tools the arms carry, and tools that are new, removed, or have another TCP.
 
-    Meshes of new tools are put into the folder at once: they have names of their content, so they
-    stand in nobody's way.  TCPs are written of tools that are told by their solids; of others the
-    trial tells.
+    Meshes of new tools are written into the folder at once; their names are digests of their
+    content, so they replace nothing.  The TCP is written for tools that the file describes by
+    solids.  For other tools, reading the file again on trial finds the difference.
 
     Args:
         document: of the cell file.
@@ -85,7 +85,7 @@ def all_as_written(tools: tuple[Tool, ...], others: tuple[Tool, ...]) -> tuple[T
 
 
 def as_written(tool: Tool, other: Tool) -> Tool:
-    """The other tool, where this one is it but for what is lost when it is written; or this one."""
+    """The other tool, if the two differ only by the rounding of the file; otherwise this tool."""
     if tool.name != other.name:
         return tool
     mine, others = _numbers(tool), _numbers(other)

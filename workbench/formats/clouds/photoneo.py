@@ -43,10 +43,10 @@ class PhotoneoCamera:
 
 
 def camera_of(path: Path, content: bytes, header: PlyHeader) -> PhotoneoCamera | None:
-    """The camera that a file of Photoneo's tells; None for files of others.
+    """The camera that a Photoneo file describes; None for files of other makers.
 
     Raises:
-        FileError: it is cut off, or its numbers are those of no camera.
+        FileError: the file is cut off, or its numbers describe no possible camera.
     """
     by_name = {element.name: element for element in header.after}
     if not {CAMERA, FRAME} <= by_name.keys():

@@ -2,8 +2,8 @@
 
 A scan of a cell's scanner comes in by `read_scan` or `parse_scan`, which go by the unit that the
 cell file gives.  An organised PLY file carries the line `obj_info resolution <columns> <rows>` in
-its header and the vertex property `pixel`, row * columns + column.  A file of Photoneo's tells the
-size of its image and where its camera is otherwise: see `photoneo`.
+its header and the vertex property `pixel`, row * columns + column.  Photoneo files state image size
+and camera pose in another way: see `photoneo`.
 """
 
 import re
@@ -191,10 +191,10 @@ def _select_measured(path: Path, points: Floats) -> Bools:
 
 
 class Rows(NamedTuple):
-    """What a file says of its points.
+    """The points of a file.
 
-    `points` (n, 3) in its unit, `pixels` (n,) where it reports them, the image's size where pixels
-    are known, and `colours` (n, 3), 0..255, where it has them.
+    `points` (n, 3) are in the file's unit.  Optional are `pixels` (n,) with the image size
+    `resolution`, and `colours` (n, 3), 0..255.
     """
 
     points: Floats

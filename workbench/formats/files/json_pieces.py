@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, cast
 
 MOST_LEVELS = 5
-"""So far down lists and objects are taken apart; what lies deeper is small."""
+"""Levels of lists and objects that are split; what lies deeper is small."""
 
 
 def encode_json(value: Any, *, allow_nan: bool = False) -> bytes:

@@ -44,10 +44,10 @@ MOST_MEMORY = 6 * 1024 * MB
 """[bytes] Of addresses; what is really used is a fraction of it."""
 
 AT_ONCE = 2
-"""This many such processes of one process run at a time, whoever asks for them."""
+"""Largest number of such processes that run at a time."""
 
 POLL_EVERY = 0.05
-"""[s] Between two looks whether nobody wants it any more."""
+"""[s] Interval of the checks whether the result is still wanted."""
 
 PR_SET_PDEATHSIG = 1
 """From `linux/prctl.h`."""

@@ -19,7 +19,7 @@ from workbench.model.messages.files import FileProblem
 MB = 1024 * 1024
 
 SILENCE = 60.0
-"""[s] So long a pipe may be silent: whoever writes to it may have to compute first."""
+"""[s] Longest silence of a pipe: the writing program may have to compute first."""
 
 LONGEST_NAME = 60
 """Of a file that came as bytes; its beginning is left out: file systems take 255 bytes."""

@@ -188,7 +188,7 @@ def _large(extra: bytes, *stated: int) -> tuple[int, ...]:
 
 
 def _member(file: IO[bytes], entry: _Entry) -> tuple[Member, bytes]:
-    """A file whose header tells the same as the directory, and what has to stand behind it."""
+    """A member whose header agrees with the directory, and the bytes that must follow it."""
     head = _bytes(file, entry.place, 30)
     version, flags, method, crc, packed, size, named, more = struct.unpack("<4x3H4x3L2H", head)
     name = _bytes(file, entry.place + 30, named)

@@ -31,7 +31,7 @@ SLIVER = 5e-5
 FLATNESS = 1e-4
 """[m] How far a corner of a convex piece may stand beyond the plane of one of its faces."""
 THINNEST = 1e-6
-"""[m] What is no thicker is flat: so far rounding carries the corners of a plane out of it."""
+"""Thickness [m] up to which a body counts as flat: rounding moves corners off a plane by this."""
 HEADER, TRIANGLE = 84, 50
 """[bytes] In a binary STL file."""
 MOST_NEIGHBOURS = 254

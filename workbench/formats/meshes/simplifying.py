@@ -15,7 +15,7 @@ LARGE = 200_000
 """Triangles of a part; one with more is simplified."""
 
 FIRST_DEVIATION = 2e-5
-"""[m] So far the surface may move at first; twice that until it has few enough triangles."""
+"""Deviation [m] allowed at first; it is doubled until the mesh has few enough triangles."""
 
 COARSEST = 0.004
 """Of the part's size: if that is not enough, somebody has to do it in CAD."""

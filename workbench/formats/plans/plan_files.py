@@ -1,8 +1,8 @@
 """Plan files: the canonical form of a plan, so that anybody can recompute its digest.
 
 Besides the fields of `Plan` a file holds `format`, `proof` (a summary for people, or null),
-`seconds` (computing time per stage) and `digest`, and may hold `notes`, the planner's remarks as
-messages; the digest covers everything but these five.  With nothing but Python's standard library:
+`seconds` (computing time per stage) and `digest`.  It may hold `notes`, the planner's remarks as
+messages.  The digest covers everything except these five.  With Python's standard library:
 
     content = json.loads(Path("plan.json").read_text(encoding="utf-8"))
     stated = content["digest"]
@@ -62,7 +62,7 @@ MOST_OBSTACLES = 600
 MOST_NOTES, LONGEST_NOTE = 30, 1000
 
 LARGEST_JOINT = 1000.0
-"""[rad or m] Beyond this a joint value is a slip of whoever wrote the file."""
+"""[rad or m] Largest joint value in a file; a larger one is a mistake."""
 
 
 def write_plan(path: str | Path, plan: Plan, proof: Proof | None = None) -> None:

@@ -27,10 +27,10 @@ EXACT = 1e-6
 """A rotation matrix this close to one is kept digit by digit, so that digests survive a file."""
 
 LARGEST_COVARIANCE = 1e6
-"""[m2, rad2] Of numbers in a covariance: whoever writes more has made a slip."""
+"""[m2, rad2] Largest number in a covariance; a larger one is a mistake."""
 
 LONGEST_NAME = 200
-"""Characters of what something is called in a file."""
+"""Largest number of characters of a name in a file."""
 
 NUMBERS_A_PART = 12
 LONGEST_NUMBER = 60

@@ -50,7 +50,7 @@ class Ex:
 
 
 NOTHING = Ex(UNKNOWN, lambda frame: 0.0)
-"""Of no type, so that one mistake is told once."""
+"""An expression of unknown type, so that a mistake is reported only once."""
 
 
 class Expressions:

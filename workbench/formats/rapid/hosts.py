@@ -14,7 +14,7 @@ LEAVES = ("return_", "raise_", "retry", "trynext", "exit", "goto")
 
 
 class Host(Protocol):
-    """What runs the statements: told of each, and of what only it can do."""
+    """Runs the program: receives each statement's start and all that only a controller can do."""
 
     def step(self, key: Key) -> None:
         """A statement begins."""

@@ -1,4 +1,4 @@
-"""Robots as their makers describe them: what a file leaves open is assumed, and told."""
+"""Robots as their makers describe them: what a file leaves open is assumed, and reported."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

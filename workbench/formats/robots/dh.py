@@ -1,7 +1,7 @@
 """An arm by its Denavit-Hartenberg table: joints, and capsules instead of what it looks like.
 
-Standard: row k is the way from frame k-1 to frame k, turn theta about z, shift d along z, shift a
-along x, turn alpha about x.  Modified: alpha and a come first, about and along the x before.
+Standard: row k leads from frame k-1 to frame k: rotate by theta about z, shift by d along z, shift
+by a along x, rotate by alpha about x.  Modified: alpha and a come first, about the previous x.
 
 Source: J. Denavit and R. S. Hartenberg, "A kinematic notation for lower-pair mechanisms based on
 matrices", Journal of Applied Mechanics 22, 1955; J. J. Craig, "Introduction to Robotics", 1986.

@@ -45,7 +45,7 @@ def arm_joints(visitor: Visitor, arm: Arm) -> Floats:
 
 
 class ChecksGroups:
-    """Two groups of controls, the scans and touches so far, and the verdicts.
+    """Two groups of controls, the scans and touches, and the verdicts.
 
     Concurrency: callbacks come from viser's threads and give commands; `show` is the renderer's.
     """

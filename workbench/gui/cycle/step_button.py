@@ -14,10 +14,10 @@ TWO_COLUMNS_MARK = '<div class="wb-wide"></div>'
 
 
 class StepButton:
-    """Says which step it lets run, and is pressed once for each; no key does what it does.
+    """Allows the step that it names; pressed once for each step, without a keyboard shortcut.
 
-    Each step has a button of its own: a press that comes late, over a slow network or by somebody
-    who has not seen that it was done, is for a button whose step has run.  It is refused.
+    Each step has its own button.  So a late press is for the button of a past step, and is refused.
+    It may come over a slow network, or from a person who missed that the step ran.
     """
 
     def __init__(self, visitor: Visitor, folder: viser.GuiFolderHandle):

@@ -64,7 +64,7 @@ class EmptyingPanel:
                 "Which part", _kinds(visitor.cell), hint="Falls into the simulated bin."
             )
             self._parts = gui.add_number(
-                "Parts", 15, min=1, max=MOST_PARTS, step=1, hint="So many parts make a pile."
+                "Parts", 15, min=1, max=MOST_PARTS, step=1, hint="Number of parts in a pile."
             )
             self._piles = gui.add_number(
                 "Piles", 3, min=1, max=MOST_PILES, step=1, hint="Each has the next seed."

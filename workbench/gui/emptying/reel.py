@@ -228,7 +228,7 @@ def _end(film: Film) -> Message:
 
 
 def end_of(reel: Reel) -> float:
-    """When the last plan has ended: from then on what stays is told [s]."""
+    """Time [s] of the last plan's end; from then on the film lists the parts that stay."""
     return reel.stretches[-1].end if reel.stretches else 0.0
 
 

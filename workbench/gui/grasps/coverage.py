@@ -66,7 +66,7 @@ class CoverageControls:
         if self._is_looking:
             return
         if found is None:
-            self._line.content = line("Not looked at since the grasps were changed.", kind="hint")
+            self._line.content = line("Not checked since the grasps were changed.", kind="hint")
             return
         self._line.content = "".join(
             line(self._visitor.words.render(text)) for text in coverage_texts(found[1])

@@ -123,7 +123,7 @@ def _row(
     if not grasp.is_enabled:
         light, tip = MUTED, "disabled"
     elif check is None:
-        light, tip = BUSY, "not looked at yet"
+        light, tip = BUSY, "not checked yet"
     else:
         light, tip = (GOOD if check.is_ok else BAD), words.render(findings_message(check))
     possible = GraspText.POSSIBLE(count=use.possible, total=use.tried)

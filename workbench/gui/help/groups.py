@@ -138,7 +138,7 @@ HELP: Mapping[str, tuple[str, str]] = {
         GRASPS,
     ),
     "Versions": (
-        "Every saving of the grasps of this part is kept. An earlier one can be looked at and "
+        "Every saving of the grasps of this part is kept. An earlier one can be viewed and "
         "brought back. That is an edit like any other, and can be undone.",
         GRASPS,
     ),

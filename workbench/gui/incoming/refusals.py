@@ -1,4 +1,4 @@
-"""What a person is told whose browser has sent something that the page does not offer."""
+"""The message to a person whose browser has sent something that the page does not offer."""
 
 REFUSED = "Refused"
 

@@ -21,7 +21,7 @@ class Patience(event.Listener):
 
     Lifetime: until `close`; nobody waits any more after it.
 
-    Concurrency: numba tells in the thread that is about to compile.
+    Concurrency: numba calls it in the thread that is about to compile.
     """
 
     def __init__(self, bench: Bench | History):

@@ -288,7 +288,7 @@ class Renderer:
         )
 
     def _calibration(self, state: State) -> Calibration | str:
-        """The answer of the poses scanned so far, worked out when they have changed."""
+        """The calibration from the scanned poses, computed again when they have changed."""
         before = self._drawn
         if (
             before is not None

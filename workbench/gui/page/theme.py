@@ -10,7 +10,7 @@ from workbench.gui.shared.colours import BRAND, rgb_of
 
 
 class Theme:
-    """What viser is told about the looks of the page.
+    """Settings for viser about the look of the page.
 
     Concurrency: immutable; any thread.
     """

@@ -45,7 +45,7 @@ class SearchInputs:
             max=DETAIL[1] * 100,
             step=10,
             initial_value=100,
-            hint="How fine the scan is looked at: more finds small features and takes longer.",
+            hint="Resolution of the search: a finer one finds small features and takes longer.",
         )
         self._least = gui.add_slider(
             "Least score",

@@ -1,7 +1,7 @@
 """A value that is dragged: what it gives is shown at once, what it asks for once the hand rests.
 
-viser 1.1.1 tells each value on the way, and not where a drag ends.  A command for each would fill
-the journal, and void again and again what was made with the value before.
+viser 1.1.1 reports each value during a drag, and not its end.  A command for each value would fill
+the journal, and discard repeatedly what was computed with the value before.
 """
 
 import threading

@@ -61,7 +61,7 @@ class GraspSearch:
         """
         is_visible = is_offered or self._is_running
         self._begin_button.visible = self._stop_button.visible = is_visible
-        busy = "grasps are being looked for" if self._is_running else ""
+        busy = "the search for grasps is running" if self._is_running else ""
         state = self._visitor.bench.state
         self._visitor.admit(self._begin_button, state, EditPart, otherwise=busy)
         self._visitor.allow(self._stop_button, "" if self._is_running else "nothing is under way")

@@ -25,9 +25,9 @@ GREEN_WITHIN, AMBER_WITHIN = 0.002, 0.005
 class Overlay:
     """A pose of a calibration in the world: the arm at `q` (n,), what was scanned, the balls.
 
-    `points` (m, 3) and `balls` (3, 3) [m] are where the scanner's pose puts them, `colours` (m, 3)
-    tell how far the points are from what is known; `middle` [m] is the middle distance of those
-    near.
+    `points` (m, 3) and `balls` (3, 3) [m] are placed by the scanner's pose.  `colours` (m, 3) show
+    the distance of the points from the known surfaces.  `middle` [m] is the median distance of the
+    near points.
     """
 
     arm: str
@@ -40,7 +40,7 @@ class Overlay:
 
 
 def solve(state: State) -> Calibration | str:
-    """The answer of the poses scanned so far, or why there is none."""
+    """The calibration from the scanned poses, or why there is none."""
     try:
         return compute_calibration(state.cell, state.observations)
     except InputError as error:

@@ -159,8 +159,8 @@ class FilmPart:
 class FilmMoment:
     """A moment of the film of an emptied pile.
 
-    `arms` says how every arm stands, by name, `parts` lists those that are there, and `says` tells
-    what goes on.
+    `arms` are the configurations of the arms by name, `parts` the parts in the bin and in hands;
+    `says` describes what happens.
     """
 
     arms: Mapping[str, ArmMoment]
@@ -172,20 +172,23 @@ class FilmMoment:
 class View:
     """Everything that the page shows.
 
-    `runs` is the timeline of the state's plan, empty without one; `poses` those of the chosen
-    candidate, `fix` what would admit it, and `sure` says how sure it is where its part comes to
-    lie; `help` says what would admit one of all
-    where there is no plan; `reached` holds places (n, 3) [m] and shares (n,) of the reach that is
-    shown; `statistics` are those of the session; `calibration` is the answer of
-    the poses scanned so far, or why there is none; `bin_check` is what the scan says about the bin
-    of the cell; `at` [s since the epoch] is when it looked like this; `is_recorded` says that it is
-    a recorded session; `unseen` are stretches of the plan, from and to [s], that the browser that
-    played it has not seen yet, and `hidden` those of them in which the hands were out of its
-    picture.
-
-    The rest is of one browser alone, and as if it did nothing in the view that all share: its `own`
-    look; `jogged` while the robot is moved by hand there, `overlay`, the pose of a calibration
-    that is laid over the robot, and `filmed`, the moment of a film that is shown there.
+    Attributes:
+        runs: timeline of the plan; empty without a plan.
+        at: time of the view [s since the epoch].
+        poses: poses of the chosen candidate.
+        fix: changes that would make the chosen candidate feasible.
+        help: without a plan: changes that would make some candidate feasible.
+        reached: points of the shown workspace (n, 3) [m] and their shares (n,).
+        calibration: result from the scanned poses, or why there is none.
+        bin_check: what the scan shows of the cell's bin.
+        is_recorded: whether this is a recorded session.
+        sure: expected placing error of the chosen candidate's part.
+        unseen: intervals of the plan [s] that the playing browser has not shown yet.
+        hidden: those of them in which the hands were out of its view.
+        own: look of one browser; this and what follows have defaults in the shared view.
+        jogged: set while a person moves the robot by hand in this browser.
+        overlay: pose of a calibration that is shown over the robot.
+        filmed: moment of the film that is shown.
     """
 
     state: State

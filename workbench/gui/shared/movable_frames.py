@@ -44,7 +44,7 @@ def things(cell: Cell) -> tuple[str, ...]:
 
 
 def frame_of(cell: Cell, thing: str) -> pin.SE3:
-    """`T_world_frame` of the frame that one of `things` is told in: a TCP in that of its flange."""
+    """`T_world_frame` of the frame in which a thing is stated: for a TCP that of its flange."""
     tool = tool_of(cell, thing)
     return _flange(cell, _carriers(cell)[tool].name) if tool else pin.SE3.Identity()
 
@@ -225,7 +225,7 @@ SAME_TURN = 2e-5
 def shown_pose(T: pin.SE3) -> tuple[Three, Three]:
     """Position [mm] and roll, pitch, yaw [deg] of a pose, rounded to what a person would type.
 
-    With a pitch of 90 degrees, up or down, roll and yaw turn about one axis: all is told as yaw.
+    At a pitch of +-90 degrees, roll and yaw rotate about the same axis: both are shown as yaw.
     """
     rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
     side = np.copysign(1.0, rpy[1])

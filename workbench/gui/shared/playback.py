@@ -30,8 +30,8 @@ NOWHERE = 0.3
 """The robot is elsewhere [rad]."""
 
 ON_STATION, AGAIN, OVER = "put on station", "regrasp", "hand over"
-"""What legs are called by which a part comes to a station, and by which the same arm, or the other
-one, takes it anew from there."""
+"""Names of the legs that put a part on a station, and that take it from there with the same arm or
+with the other."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -194,7 +194,7 @@ def taken_upload(button: viser.GuiUploadButtonHandle) -> tuple[str, bytes]:
 
 
 def buttons_of(gui: viser.GuiApi) -> list[viser.GuiButtonHandle | viser.GuiUploadButtonHandle]:
-    """The buttons that were made so far."""
+    """All buttons that exist now."""
     return [
         control
         for control in tuple(gui._gui_input_handle_from_uuid.values())

@@ -40,7 +40,7 @@ log = logging.getLogger(__name__)
 
 SECONDS_TO_READ = 8.0
 
-RECORDED = "this is a recorded session: it can be looked at, nothing else"
+RECORDED = "this is a recorded session: it is read-only"
 
 SOMEBODY = "somebody"
 """Stands for the name that the approval's dialog asks for where nobody has logged in."""
@@ -108,7 +108,7 @@ class Visitor:
 
     @property
     def number(self) -> int:
-        """Tells this browser from the others."""
+        """Identifies this browser."""
         return self.client.client_id
 
     def turn_away(self) -> None:
@@ -145,7 +145,7 @@ class Visitor:
         return element_id(button)
 
     def rows(self, count: int, pressed: Callable[[int], object]) -> list[str]:
-        """The ids of this many unseen buttons, out of sight; told is which one is pressed."""
+        """Create `count` hidden buttons and return their ids; `pressed` gets the button's index."""
         buttons = [self.unseen(partial(pressed, number)) for number in range(count)]
         self.hide(buttons)
         return buttons

@@ -1,4 +1,4 @@
-"""Grasps for the parts that stayed in the bin: looked for where they lay, and added in one step."""
+"""Grasps for the parts that stayed in the bin: searched at their poses, and added in one step."""
 
 import threading
 from collections import Counter

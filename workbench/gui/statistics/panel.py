@@ -21,7 +21,7 @@ from workbench.gui.statistics.views import statistics_html
 
 STATISTICS_FILE = "workbench-statistics.csv"
 
-WHOLE = "Of the whole session, whichever entry is looked at."
+WHOLE = "Of the whole session, whichever entry is shown."
 
 ALONG = (
     '<div class="wb-pad"><div class="wb-small wb-along"><a href="/session.zip" download>'

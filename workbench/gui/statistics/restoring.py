@@ -1,4 +1,4 @@
-"""A backup put back from the page: told what it would change, confirmed, kept on record."""
+"""Restores a backup from the page: shows what changes, asks for confirmation, and records it."""
 
 import logging
 import threading

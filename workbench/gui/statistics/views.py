@@ -74,7 +74,7 @@ def _label(thing: Thing) -> Message:
 
 
 def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
-    """What a session has brought so far."""
+    """The statistics of a session."""
     if not counted.cycles:
         return line("Once a cycle was planned, what came of it is counted here.", kind="hint")
     rate = counted.picks_per_hour

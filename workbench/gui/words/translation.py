@@ -20,7 +20,7 @@ Say = Callable[[Any], Any]
 
 
 def speak(client: viser.ClientHandle, words: Words) -> None:
-    """Have a browser told everything in a language from now on; before any widget is made."""
+    """Translate all texts for a browser from now on; called before any widget is created."""
     if words.language == ENGLISH:
         return
     connection = client._websock_connection

@@ -7,7 +7,7 @@ from workbench.model.part import Part
 from workbench.model.scan import Detection
 
 PARALLEL_WITHIN = 1e-6
-"""Directions whose cosine is by so much from 1 are one."""
+"""Directions are equal if their cosine differs from 1 by less than this."""
 
 TURNS_TRIED = 24
 """Turns of a round part, of which one may leave it upside down."""

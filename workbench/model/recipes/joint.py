@@ -14,8 +14,8 @@ class Joint:
     meets it; from there that goes on along the insertion by `depth` [m].  What fits is
     `part_length` [m] long from the leading end of the part, and `base_length` [m] from the mouth.
     `clearance` [m] is radial, half the difference of both diameters; `chamfer` [m] the radial width
-    of the chamfers of peg and hole together.  `compliance` [m]: by so much the part gives way
-    sideways in the hand.  Plans warn where less than the `share` of picks will mate, 0..1.
+    of the chamfers of peg and hole together.  `compliance` [m] is the part's
+    sideways compliance in the hand.  Plans warn if less than the `share` (0..1) of picks will mate.
     """
 
     mouth: tuple[float, float, float]

@@ -166,25 +166,23 @@ class _Upright:
 def stand_below(
     shapes: Sequence[tuple[Shape, pin.SE3]], p: Floats, reach: float, T_world_up: pin.SE3
 ) -> Bools:
-    """Which solids of a cell a body in a hand cannot meet while the hand goes straight up.
+    """Which solids of a cell a held body cannot touch while the hand moves straight up.
 
-    They are real: floor, walls and fixtures.  A box that stands for what may lie somewhere, as a
-    scan shows it, is no solid.
+    The solids are floor, walls and fixtures, not boxes around objects in a scan.
 
-    The body is in one piece, near the TCP, and reaches no farther from there than `reach`.  It
-    touches nothing yet.  A box with upright sides is met only by what is under it.  Nothing of the
-    body is under a box that begins no higher than the lowest point of the body, or that stands on
-    all of its base on such a box.  The body is not under a box that covers all of its room from
-    below, either: it would have to go through.
+    The body is in one piece, within `reach` of the TCP, and touches nothing yet.  Only a body under
+    a box with upright sides can touch it.  The body is not under a box whose underside is at or
+    below its lowest point.  The same holds for a box that stands fully on such a box.  Nor is the
+    body under a box that covers all of its space from below: it would have to pass through.
 
     Args:
         shapes: the solids, with their poses in the world.
-        p: (3,) [m] where the TCP is in the world as the hand begins.
-        reach: [m] how far the body reaches from there.
-        T_world_up: a frame whose z leads up.
+        p: (3,) [m] position of the TCP in the world at the start.
+        reach: [m] largest distance of the body from the TCP.
+        T_world_up: a frame whose z points up.
 
     Returns:
-        Whether each cannot be met (n,), no unit.
+        Whether each cannot be touched (n,), no unit.
     """
     boxes = [_upright(shape, T_world_up.actInv(T)) for shape, T in shapes]
     x, y, high = T_world_up.actInv(np.asarray(p))

@@ -51,8 +51,8 @@ MOVED_DISTANCE, MOVED_TURN = 0.003, np.deg2rad(1.0)
 """[m, rad] More than this the bin is somewhere else."""
 
 OVER_RIM, FULL_SHARE = 0.01, 0.5
-"""[m, share] What is further above the rim is told; from this share of its room on the bin is too
-full then.  Below that a part stands upright, or leans on a wall."""
+"""[m, share] Parts further above the rim are reported.  The bin is too full if it is filled to at
+least this share; otherwise a part stands upright or leans on a wall."""
 
 EMPTY = 0.004
 """Share of the floor that may be covered in an empty bin: noise."""

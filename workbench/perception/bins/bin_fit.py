@@ -55,7 +55,7 @@ SEEN_RAISED = 0.25
 """Or where it is seen in this share of them."""
 
 OPEN = 1e3
-"""[m] So far out are the walls of a bin that has none."""
+"""Distance [m] of the walls of a bin that has none."""
 
 CORNER = 0.006
 """[m] Nearer than this to where floor and walls meet, scanners smooth them into each other."""

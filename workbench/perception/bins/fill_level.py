@@ -40,8 +40,8 @@ LEAST_INSIDE = 0.3
 """Share of the inside that must be seen to say how full the bin is."""
 
 MORE = 1.6
-"""So many times as many parts as were found have to be there to be told of: 12 pucks in a heap, all
-found, took the room of 19."""
+"""Ratio of estimated to found parts from which on missed parts are reported: a heap of 12 pucks,
+all found, fills the volume of 19."""
 
 
 def parts_in_words(cell: Cell, check: BinCheck, found: Sequence[Detection]) -> Message:

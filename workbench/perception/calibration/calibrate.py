@@ -40,8 +40,7 @@ GOOD, ACCEPTABLE = (0.001, np.deg2rad(0.3)), (0.002, np.deg2rad(0.6))
 """[m, rad] Up to here the light of a pose is green, and amber."""
 
 AGREE, TIMES = 0.0015, 4.0
-"""[m] A pose is left out when it is off by more than this, and by more than this many times what is
-usual among the poses."""
+"""A pose is an outlier if its error exceeds both `AGREE` [m] and `TIMES` times the usual error."""
 
 LARGEST_USUAL = 0.004
 """[m] More than this is never taken for usual."""

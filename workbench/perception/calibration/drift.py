@@ -1,13 +1,12 @@
-"""How the scanner's pose has drifted, by things whose place is known, and the pose refined by them.
+"""Drift of the scanner's pose, measured on things at known places, and the refined pose.
 
-Each day is one measurement: within a day nothing of what moves a bin, or bends a mount, may have
-happened; so scans of one day are no independent witnesses.  What stands still is held against
-itself: the first days since the calibration against the last ones, by the test of two samples
-(Student 1908), along each of six directions.  Parts that the robot has put down are held against
-where it has put them: they tell the scanner's pose itself, not only how it changes.
+Each day is one measurement: scans of one day are not independent, as nothing may have moved between
+them.  For things that stand still, a two-sample test (Student 1908) compares the first days since
+the calibration with the last ones, along six directions.  Placed parts are compared with the poses
+at which the robot placed them: they show the scanner's pose itself, not only its change.
 
-All motions (6,) [m, rad] are told at the bin's middle, as in `things`, and are those of the scanner
-from where the cell has it, along and about the world's axes.
+All motions (6,) [m, rad] are those of the scanner from its pose in the cell.  They are along and
+about the world's axes at the bin's middle, as in `things`.
 """
 
 from collections import defaultdict
@@ -33,7 +32,7 @@ CHANCE = 0.01
 """With which a drift is reported though there is none, all directions and things together."""
 
 ARM = 0.15
-"""[m] A turn counts as much as the shift that it makes this far away."""
+"""[m] Lever arm by which a rotation is compared with a shift."""
 
 SCALE = np.repeat([1.0, 1 / ARM], 3)
 """[no unit, 1/m] By it motions have one unit."""
@@ -54,13 +53,15 @@ LEAK = 0.02
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DriftHistory:
-    """What one thing tells, day after day.
+    """Apparent motion of the scanner by one thing, day by day.
 
-    `days` (n,) number days since the epoch, `moved` (n, 6) [m, rad] is by how much the scanner
-    seems to be moved, NaN along what a day does not tell.  `change` (6,) [m, rad] is what has
-    become of that from the first three days to the last three, with its `deviation` and the
-    `freedom` of it, all NaN where nothing can be compared; `is_significant` (6,) where the first
-    week and the last one do not differ by chance.
+    Attributes:
+        days: days since the epoch (n,), no unit.
+        moved: apparent motion of the scanner (n, 6) [m, rad]; NaN along unmeasured directions.
+        change: change from the first three days to the last three (6,) [m, rad]; NaN: unknown.
+        deviation: standard deviation of `change` (6,) [m, rad].
+        freedom: degrees of freedom of `deviation` (6,).
+        is_significant: whether first and last week differ by more than chance (6,).
     """
 
     thing: str
@@ -86,7 +87,7 @@ class DriftHistory:
 class DriftEstimate:
     """A motion (6,) [m, rad] of the scanner and its information (6, 6) [1/m2, 1/rad2].
 
-    Both are zero along what is not known; `count` sightings told it.
+    Both are zero along unknown directions; `count` is the number of sightings.
     """
 
     moved: Floats

@@ -34,15 +34,16 @@ POSE_DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drift:
-    """What recorded scans say of the scanner since its calibration.
+    """Drift of the scanner since its calibration, from recorded scans.
 
-    `courses` are what each thing says day by day.  `drifted` names what of the robot's world says
-    that the scanner has, empty while nothing does; `is_bin_off` where the bin has changed, and
-    nothing else says that it was the scanner.  `open` are directions that only the bin tells, if
-    anything.
-    `moved` (6,) [m, rad], at the bin's middle, is by what the scanner is to be moved from where the
-    cell has it, and `covariance` (6, 6) what is not known of it then; None while there is no
-    reason to.  `parts` counts those that the robot has put down, and were seen again.
+    Attributes:
+        courses: apparent motion by each thing, day by day.
+        drifted: names of the things that show a drift.
+        is_bin_off: whether only the bin has moved, so that the scanner may not have.
+        open: directions that nothing except the bin measures.
+        moved: correction of the scanner's pose at the bin's middle (6,) [m, rad]; None: no drift.
+        covariance: covariance of the corrected pose (6, 6); None: no drift.
+        parts: number of placed parts that a scan showed again.
     """
 
     courses: tuple[DriftHistory, ...]
@@ -169,10 +170,10 @@ def _disagree(course: DriftHistory, other: DriftHistory) -> Bools:
 def _together(
     prior: Floats, changes: Sequence[DriftHistory], by_parts: DriftEstimate | None, distance: float
 ) -> tuple[Floats, Floats]:
-    """The motion (6,) of the scanner and its covariance (6, 6) by all that is known.
+    """The motion (6,) of the scanner and its covariance (6, 6) from all measurements.
 
-    What nothing tells of a scanner that has moved may have moved as far as what is told; and where
-    it has turned, about whatever place of its mount, the bin may have moved aside by that.
+    Along unmeasured directions the scanner may have moved as far as along the measured ones.  Where
+    it has rotated about some point of its mount, the bin may appear shifted by that.
     """
     start, variance = np.zeros(6), np.zeros(6)
     if changes:

@@ -1,9 +1,8 @@
 """What a scan shows of the scanner's pose by things whose place is known: bin, fixtures, parts.
 
-The bin is fitted as ever.  Of fixtures and of parts that the robot has put down, the points that
-lie on their surfaces are fitted (point-to-plane ICP, Chen and Medioni 1992), each by itself: it is
-seen elsewhere than expected by a small motion, along those directions that its surfaces hold.
-Nothing is said along the others.
+The bin is fitted as in every scan.  Each fixture and each placed part is fitted to the points on
+its surface (point-to-plane ICP, Chen and Medioni 1992).  The result is its small motion from the
+known pose along the directions that its surfaces constrain, and nothing along the others.
 """
 
 from collections.abc import Sequence
@@ -95,18 +94,18 @@ class PutPart:
 def put_slopes(
     middle: Floats, T_world_found: pin.SE3, T_world_put: pin.SE3, keeps: Floats
 ) -> Floats:
-    """How far off a part is seen where it was put, by what is not known of the scanner (6, 6).
+    """Jacobian (6, 6) of a placed part's apparent error by the scanner's pose error [m, rad].
 
-    The robot moves a part as it was told; what it does not know is where the scanner saw it wrong.
-    Of that error the hand keeps some, and the motion turns and carries it along: as in hand-eye
-    calibration, the unknown is told by not commuting with the motion.  The part comes to rest on
-    something level, which takes out what is left of its height and its lean.
+    The robot moves a part as commanded, from the pose in which the scanner saw it.  The grip keeps
+    some of the scanner's error, and the motion carries it along.  As in hand-eye calibration, the
+    error shows because it does not commute with the motion.  The part comes to rest on a level
+    surface, which removes the remaining errors of height and tilt.
 
     Args:
         middle: (3,) [m] of the bin, where all motions are reported.
-        T_world_found: where the scan had the part that was taken.
-        T_world_put: where the robot has put it by that.
-        keeps: (6, 6) what the grip keeps of an error, a motion at the part's origin in
+        T_world_found: pose of the part in the scan before the pick.
+        T_world_put: pose at which the robot placed it.
+        keeps: (6, 6) share of an error that the grip keeps, as a motion at the part's origin in
             `T_world_found`, along the world's axes.
     """
     to_world = pin.SE3(np.eye(3), middle)
@@ -175,7 +174,7 @@ def motion_at(T: pin.SE3, point: Floats) -> Floats:
 
 
 def motion_of(step: Floats, point: Floats) -> pin.SE3:
-    """The motion of the world that `motion_at` tells: a step (6,) [m, rad] at a point (3,) [m]."""
+    """The motion of the world that a step (6,) [m, rad] at a point (3,) [m] means (`motion_at`)."""
     R = pin.exp3(step[3:])
     return pin.SE3(R, point + step[:3] - R @ point)
 
@@ -188,7 +187,7 @@ def moved_to(by: Floats) -> Floats:
 
 
 def _at(place: Floats, matrix: Floats) -> Floats:
-    """What a matrix (6, 6) does to motions at a place (3,) [m], for motions told at the middle."""
+    """A matrix (6, 6) of motions at a place (3,) [m], converted to motions at the middle."""
     there = moved_to(place)
     return np.linalg.inv(there) @ matrix @ there
 
@@ -221,7 +220,7 @@ class _Surfaces:
     def fitted(
         self, number: int, points: Floats, view: Floats
     ) -> tuple[Floats, Floats, Floats] | None:
-        """The motion (6,) of a thing, its information (6, 6), and the place (3,) they are told at.
+        """The motion (6,) of a thing, its information (6, 6), and their reference point (3,).
 
         None where too few points are left.
         """

@@ -90,7 +90,7 @@ def points_on(scan: Scan, surface: PartSurface, pose: Floats, tolerance: float) 
 def _of_a_box(middle: Floats) -> Floats:
     """The turns (24, 4, 4) of a cube about a point (3,) [m], as motions along a part's axes.
 
-    CAD has cubes and plates along the axes, and no moment of inertia tells those of a cube.
+    Cubes and plates in CAD lie along the axes; moments of inertia do not show those of a cube.
     """
     motions = list[Floats]()
     for order, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):

@@ -1,10 +1,9 @@
-"""Which kind a part is of and how it is turned, shown by colour where shape leaves that open.
+"""Kind and rotation of a part by colour, where shape leaves several possible.
 
-Shape comes first: what it tells is not asked of colours.  Guesses that are left, other kinds in the
-same place and turns of a part's shape onto itself, are compared in pairs where they would show
-different colours.  One is excluded when under every light that explains the scan as a whole the
-other is clearly nearer to what is seen.  So a scan that is dim, noisy or tinted decides less, and
-one without colours nothing.
+Shape decides first.  The remaining guesses are other kinds at the same place, and rotations of the
+part's shape onto itself.  They are compared in pairs, at the points where their colours differ.  A
+guess is excluded if the other is clearly nearer to the seen colours under every light that explains
+the whole scan.  So a dim, noisy or tinted scan decides less, and a scan without colours nothing.
 """
 
 from collections.abc import Sequence
@@ -32,7 +31,7 @@ FITS = 8.0
 """Mean squared distance, in deviations, up to which colours seen are those of a guess at all."""
 
 AS_GOOD = 4.0
-"""By so much more than the best light another one may miss all parts together, and is possible."""
+"""Largest excess of a possible light's error over all parts, relative to the best light."""
 
 FEWEST_POINTS, LEAST_SHARE = 12, 0.03
 """Points, and share of those seen, by which two guesses must differ to be distinguished."""
@@ -198,7 +197,7 @@ def _flips_show(kind: Painted) -> bool:
 def _chosen_anew(
     brought: Sequence[PartSearch], decisions: Sequence[ColourReading]
 ) -> list[PartSearch]:
-    """The searches with what was told: parts turned, and those of another kind moved to it."""
+    """The searches with the decisions by colour applied to kinds and rotations."""
     choices = [
         Choice(
             search.choice.claimed.copy(),

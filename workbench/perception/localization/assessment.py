@@ -54,16 +54,18 @@ OUTLINE_ERROR = float(np.deg2rad(2.25))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Assessment:
-    """A pose (4, 4) [m] in the scanner's frame with what is to be said about it.
+    """A pose in the scanner's frame with its quality.
 
-    `gap` is by how much of the shown surface more it is explained than the best different pose
-    of the same object, None when the part has no near-symmetry.  `roll_known` is False when
-    turning the part about its axis changes nothing that the scan shows; `is_constrained` is False
-    when a small motion of another kind changes nothing either.  `share` is the chance of this turn
-    among all that the scan shows nearly as well, 0..1: of a cup that lies nobody sees which end is
-    open, so it is about a half.
-    `by_colour` as that of a `Detection`.  `outline_error` [rad] is the standard error of a roll
-    that the outline alone holds; 0 of others.
+    Attributes:
+        pose: the pose (4, 4) [m].
+        gap: lead in the explained share of the surface over the best different pose of the same
+            object; None: the part has no near-symmetry.
+        roll_known: False: rotating the part about its axis changes nothing that the scan shows.
+        is_constrained: False: another small motion changes nothing that the scan shows.
+        share: chance (0..1) of this rotation among those that fit nearly as well.  For a lying cup
+            it is about 0.5, since the scan does not show which end is open.
+        by_colour: see `Detection`.
+        outline_error: standard error of a roll that only the outline shows [rad]; otherwise 0.
     """
 
     pose: Floats

@@ -59,8 +59,8 @@ FEWEST_DETECTIONS = 3
 """Detections that have to tell a scale."""
 
 SHARED_OFF = 1.5e-5
-"""[m] By so much all points of a scan are off together along whatever shows the scale: a part of
-which only short lengths are seen tells little, however many points it has."""
+"""Common error [m] of all points along the direction that shows the scale.  A part with only short
+visible lengths gives little information, however many points it has."""
 
 LEAST_DEVIATION = 0.001
 """Standard deviation of a scale, at least: no scanner is calibrated better."""

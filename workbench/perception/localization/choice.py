@@ -31,8 +31,8 @@ simulated and real scans, none had less than -0.31 before it."""
 LEAST_PIXELS = 40
 
 DEEP, MOST_DEEP = 0.03, 0.02
-"""A part may not reach into another one, or into the bin, deeper than this share of the diameter
-with more than this share of its surface."""
+"""At most a share `MOST_DEEP` of a part's surface may be inside another part, or the bin, by more
+than `DEEP` times the diameter."""
 
 SAME_PLACE = 0.15
 """Parts whose middles are closer than this share of the diameter are one place."""

@@ -1,9 +1,8 @@
-"""What the floor says of the size of parts that lie on it.
+"""Size errors of parts that lie on the floor, from the height of their underside.
 
-What the scanner sees of a part fits wherever its surface lies; its other side does not.  Parts that
-lie on the floor end at it.  Where they reach through it or float above it, both of their sides lie
-off their CAD file, or they are so much less or more high.  Parts that lie on others float too, at
-any height, so several have to agree.
+The visible side of a part is fitted to the scan; its underside follows from the CAD file.  A part
+on the floor must end at the floor.  If it ends below or above, its height differs from the file.
+Parts that lie on others end above the floor, too, at any height, so several must agree.
 """
 
 from collections.abc import Sequence

@@ -91,7 +91,7 @@ class KindHypotheses:
 
 
 ResolveByColour = Callable[[Scan, Sequence[PartSearch]], list[PartSearch]]
-"""Tells kinds and turns apart that shape does not: the searches again, with other choices."""
+"""Decides kinds and rotations that shape leaves open; returns the searches with new choices."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -224,7 +224,7 @@ def look_closely(
 
 
 def _as_it_is(search: PartSearch, hypothesis: Hypothesis) -> Assessment:
-    """What is not looked at closely passes for what it seems to be."""
+    """The assessment of a pose without further checks."""
     return Assessment(
         hypothesis.pose,
         hypothesis.sighting,

@@ -1,10 +1,10 @@
-"""A scan that is not as good as it seems, or a part that is not as its CAD file has it.
+"""Larger tolerances for scans with correlated errors, or parts that differ from their CAD file.
 
-The noise of a scan says how far it may be off a part.  Cameras that smooth over many pixels, and
-parts that are some per cent larger or smaller than their CAD file, are off by more.  Where the
-parts found explain little of what lies in the bin, the same poses are compared with the scan once
-more, with several times the tolerance.  That counts if it then explains much of what lies there,
-and far more than before.  The scan must also bend there as the parts do: wrong parts do not.
+The noise of a scan sets the tolerance between scan and part.  Cameras that smooth over many pixels,
+and parts some per cent off their CAD size, exceed it.  When the found parts explain little of the
+bin's content, the same poses are compared again with several times the tolerance.  The result is
+used if it explains much of the content, and far more than before.  The scan's curvature must also
+agree with that of the parts, which excludes wrong parts.
 """
 
 from collections.abc import Callable, Sequence

@@ -14,8 +14,8 @@ from workbench.perception.matching.sightings import Drawing, drawing, predicted
 from workbench.perception.parts.part_surface import PartSurface
 
 BEYOND = 4
-"""[pixels] So far outside of the outline one looks: nearer, cameras that compare windows have near
-things grown over far ones, and smooth low edges."""
+"""Distance [pixels] of the checked pixels from the outline.  Nearer pixels are unreliable: window
+matching extends near objects over far ones and smooths low edges."""
 
 LEAST_ENDS = 0.9
 """Share of its outline at which a part must end.  Of 288 parts found in simulated piles, as

@@ -32,8 +32,8 @@ CONVERGED = 0.002
 """The fit ends when a step turns and shifts the part by less, over the tolerance."""
 
 HOPELESS_SHOWN, HOPELESS_SEEN = 0.2, 0.5
-"""A pose that explains less than these shares, after the first fit, of what it shows and of what is
-seen in its place, is not searched further: it is far from what is asked of a part that is taken."""
+"""Shares that a pose must explain after the first fit, of its visible surface and of the points at
+its place.  Other poses are discarded: they are far from the limits of an accepted part."""
 
 WEAK = 3
 """Directions that are searched at most: those that the fit holds least.  A ball's are its turns, of

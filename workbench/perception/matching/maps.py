@@ -106,17 +106,16 @@ class DepthMap:
 def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) -> DepthMap | None:
     """Project a scan, organised or not, into a camera that sees just the bin.
 
-    An organised cloud is treated like any other: the place of its points in the scanner's
-    image says nothing that the points do not say, and the intrinsics of real scanners are
-    often unknown.
+    An organised cloud is treated like any other: pixel indices add no information to the points,
+    and the intrinsics of real scanners are often unknown.
 
     Args:
         scan: the cloud.
-        bin: as the cell has it.
-        seen: the same as the scan shows it; its inside is the foreground, up to `size` above the
-            rim, and of a bin with regions what is no further than `size` from these.
-        size: diameter of what is searched for [m].
-        pitch: width of a pixel wanted at the bin's floor [m]; a sparse cloud gets wider ones.
+        bin: the bin of the cell.
+        seen: the bin as the scan shows it.  The foreground is its inside up to `size` above the
+            rim; with regions, only what is within `size` of them.
+        size: diameter of the searched part [m].
+        pitch: pixel width at the bin's floor [m]; a sparse cloud gets wider pixels.
 
     Returns:
         The map, or None when no point of the scan lies in the bin.

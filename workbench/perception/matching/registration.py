@@ -62,8 +62,8 @@ def refine(
         gates: (iterations,) [m] the largest distance of a pair in each iteration.
 
     Returns:
-        The refined poses (k, 4, 4) and the root mean square distance (k,) [m] of the pairs of
-        the last iteration, infinite when there were too few.
+        The refined poses (k, 4, 4), and the root mean square distance (k,) [m] of the pairs in
+        the last iteration.  The distance is infinite if there were too few pairs.
     """
     return _refine(
         depth_map.seen, np.ascontiguousarray(poses), model.points, model.normals,

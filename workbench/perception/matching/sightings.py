@@ -51,13 +51,15 @@ X, Y, Z = uint64(0), uint64(1), uint64(2)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sighting:
-    """The pixels (flat indices) in which a pose shows the part, sorted out.
+    """The pixels (flat indices) in which a pose shows the part, classified by the measured depth.
 
-    `explained` are measured on the predicted surface, `off` (n,) [m] from it, along its
-    normal; `violated` are measured behind it, so that the part cannot be there, which `is_rim`
-    (m,) of them are so near the picture's edge that they may see past it; `hidden` are measured in
-    front of it, `ahead` (k,) [m] of it along its normal, or on it but facing elsewhere, or not at
-    all: then that is NaN.
+    Attributes:
+        explained: pixels measured on the predicted surface (n,).
+        off: their distance from the surface along its normal (n,) [m].
+        violated: pixels measured behind the surface (m,), so that the part cannot be there.
+        is_rim: whether they are so near the image edge that they may see past the part (m,).
+        hidden: pixels measured in front of the surface, on it with another normal, or not (k,).
+        ahead: their distance in front of the surface along its normal (k,) [m]; NaN: unmeasured.
     """
 
     explained: np.ndarray

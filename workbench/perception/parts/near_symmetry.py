@@ -31,9 +31,9 @@ SURFACE_POINTS = 400
 class NearSymmetry:
     """Motions (k, 4, 4) in the part's frame, the identity first.
 
-    When turns by any angle about a line are among them, `axis` (2, 3) holds a point of that
-    line [m] and its direction, and the first `TURNS_TRIED` motions are the turns about it in equal
-    steps; otherwise `axis` is None.
+    If rotations by any angle about a line are among them, `axis` (2, 3) holds a point of that line
+    [m] and its direction.  Then the first `TURNS_TRIED` motions are the rotations about it in equal
+    steps.  Otherwise `axis` is None.
     """
 
     motions: Floats

@@ -31,8 +31,8 @@ VOTING, COARSE = 0.08, 0.055
 """Distance of the points for voting and for the first fit, over the diameter."""
 
 FINE_STEPS, ALIKE_DISTANCE, ALIKE_NORMALS = 72, 0.6, 0.95
-"""Points that turns by any angle, in this many steps, take to within this share of their distance
-from each other, with normals whose cosine is so large, stand for each other."""
+"""Points are equivalent if a rotation, by one of this many steps of a turn, maps one to the other:
+within this share of the point spacing, with at least this cosine between the normals."""
 
 FEW_DRAWN, DRAWN = 1000, (500, 1000, 2000, 4000)
 """Triangles of what is drawn at a pose: meshes of more than a few are simplified, to the least of

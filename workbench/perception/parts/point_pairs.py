@@ -3,10 +3,10 @@
 After B. Drost, M. Ulrich, N. Navab, S. Ilic, "Model Globally, Match Locally: Efficient and
 Robust 3D Object Recognition", CVPR 2010.  A pair of points with normals n1, n2 and difference
 d has the feature (|d|, angle(n1, d), angle(n2, d), angle(n1, n2)), which no motion changes.
-When a pair of the scene has the feature of a pair of the model, aligning the two leaves
-exactly one pose: so each reference point of the scene collects votes for which model point it
-is and by which angle the model is turned about its normal.  Of points that the part's symmetry
-takes to each other one stands for all: votes for the others are votes for the same poses.
+When a pair of the scene has the feature of a pair of the model, aligning the two gives exactly
+one pose.  So each reference point of the scene collects votes for its model point and for the
+angle about its normal.  Of points that the part's symmetry maps onto each other only one is used:
+votes for the others are votes for the same poses.
 """
 
 from dataclasses import dataclass

@@ -71,8 +71,8 @@ def learn_sizes(
         names: of parts.
 
     Returns:
-        What the last search found, the cell that it was given, and the size over that before, no
-        unit, of each part that has another one.
+        The result of the last search, its cell, and for each changed part the ratio of its size
+        to the size before (no unit).
     """
     sizes: dict[str, float] = {}
     findings = search(cell)

@@ -1,7 +1,7 @@
-"""Where what was seen in part may go on unseen: below and behind the parts that were found.
+"""Where a partly seen object may extend unseen: below and behind the parts that were found.
 
-A thing goes on only where the scanner did not look.  So the room that found parts hide, that is
-joined to what was seen of the thing, and that is within its reach, belongs to it.
+An object can extend only where the scanner sees nothing.  So the space that found parts hide
+belongs to it if it is connected with the seen points and within the object's reach.
 """
 
 from dataclasses import dataclass

@@ -50,7 +50,7 @@ FEWEST_PAIRS = 200
 """Pairs of points with fewer of which nothing is compared."""
 
 BEHIND = 0.006
-"""[m] What a view measures by so much further away it has seen through a point."""
+"""[m] A view that measures further than this behind a point has seen through it."""
 
 PIXEL_SPACINGS = 2.5
 """Width of the pixels in which views are compared over the distance of points."""

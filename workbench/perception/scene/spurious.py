@@ -1,9 +1,8 @@
-"""Which points that nothing explains are something, and which a mistake of the scanner.
+"""Which unexplained points are real, and which are errors of the scanner.
 
-A scanner decodes single pixels wrongly, and a pixel that lies half on one surface and half on the
-next measures something between the two.  Anything real is seen by several pixels side by side.
-So a point is believed when enough area was seen around it that is not such a mistake, and then what
-lies beside it is believed with it.
+A scanner decodes single pixels wrongly.  A pixel that lies half on one surface and half on the next
+measures a depth between the two.  A real object covers several neighbouring pixels.  So a point is
+real if enough reliable area was seen around it, and its neighbours are real, too.
 """
 
 import numpy as np

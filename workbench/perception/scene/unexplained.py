@@ -219,9 +219,9 @@ def _points_left(
     halves: Floats,
     tolerance: float,
 ) -> tuple[Floats, Ints]:  # pragma: no cover (compiled)
-    """Points (m, 3) within a ball that are not near the surface of a box; and which are within.
+    """Points (m, 3) in a ball and away from all box surfaces; and the indices of those in the ball.
 
-    A scan shows bin and table above all, and these are boxes: their distance is quickly told.
+    A scan shows mostly bin and table, which are boxes: distances to boxes are quick to compute.
 
     Args:
         points: (n, 3) [m] in some frame.
@@ -230,7 +230,7 @@ def _points_left(
         radius: [m] of the ball.
         Ts: (b, 4, 4) put points in the frames of boxes.
         halves: (b, 3) [m] half lengths of boxes.
-        tolerance: [m] that is near.
+        tolerance: [m] distance that counts as near.
     """
     left, within = np.empty(points.shape), np.empty(len(points), np.int64)
     count, number = 0, 0

@@ -10,14 +10,14 @@ LIGHT_PIXELS = 6
 
 
 def fattened(depth: Floats, by: int, step: float) -> Floats:
-    """Near things grown over far ones by so many pixels, as windows that are compared make them.
+    """Extend near objects over far ones by some pixels, as stereo window matching does.
 
-    A slope stays where it is: a window that sees it has half of it nearer and half further away.
+    A slope stays where it is: half of its window is nearer and half further away.
 
     Args:
         depth: (rows, columns) [m], infinite where nothing is hit.
-        by: [pixels].
-        step: [m] what is further behind lies on the other side of an edge.
+        by: the number of pixels.
+        step: [m] depth difference that counts as an edge.
     """
     near = ndimage.minimum_filter(depth, 2 * by + 1)
     return np.where(np.isfinite(depth) & (depth > near + step), near, depth)

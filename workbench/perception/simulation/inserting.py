@@ -30,8 +30,8 @@ SEGMENTS, WALL = 64, 0.004
 """Around a hole; [m] how thick each is."""
 
 RELIEF = 0.00002
-"""[m] By which a bore is wider than its mouth, or what slides over the edge catches on the box
-behind, as bodies touch a little before MuJoCo parts them."""
+"""[m] A bore is wider than its mouth by this.  MuJoCo lets bodies overlap a little, so a part that
+slides over the edge would catch on the box behind."""
 
 HAND_MASS, PART_MASS = 1.0, 0.1
 """[kg]"""

@@ -9,22 +9,28 @@ from workbench.model.cell import ScannerMount
 
 @dataclass(frozen=True, slots=True)
 class NoiseModel:
-    """A build of scanner.
+    """Errors of a type of scanner.
 
-    `baseline` [m] is from camera to projector, along the image's rows.  Below the cosine
-    `grazing` too little of the pattern comes back; failures begin at `fading`.  `drop_outs` is the
-    share of pixels that fail anywhere (dust, gloss); `outliers` that of pixels which are decoded
-    wrongly and lie anywhere up to `stray` [m] off; `flying` that of pixels beside a depth edge
-    which measure something between its two sides.
-
-    The rest is none unless it is said.  Near things are `fattened` by this many pixels; depths are
-    averaged with a deviation of `blur` pixels, steps lower than `bridged` [m] with them, which
-    leaves about 1 / (2 sqrt(pi) `blur`) of the deviation that pixels have by themselves; they are
-    told in steps of `step` [m] at 1 m, and waved by `wave` [m] at 1 m, once every `fringe` [m] of
-    depth.  `corners` is the share of multiple ways in concave places (`lengthened`).  What is met
-    more squarely than the cosine `gloss` mirrors the light and is a hole in `glare` of the pixels;
-    `torn` is the share of rows that are missing.  By this many pixels the scene has `drifted` along
-    the rows when the last of them is measured.
+    Attributes:
+        baseline: distance from camera to projector along the image rows [m].
+        grazing: cosine of the angle of incidence below which no pixel is measured.
+        fading: cosine below which pixels begin to fail.
+        drop_outs: share of pixels that fail anywhere (dust, gloss).
+        outliers: share of pixels that are decoded wrongly.
+        stray: largest error of an outlier [m].
+        flying: share of the pixels at a depth edge that measure a depth between its sides.
+        fattened: pixels by which near objects extend over far ones.
+        blur: standard deviation of the averaging of depths [pixels]; it leaves about
+            1 / (2 sqrt(pi) `blur`) of a single pixel's noise.
+        bridged: depth steps lower than this are averaged, too [m].
+        step: quantisation of depth at 1 m [m].
+        wave: amplitude of a periodic depth error at 1 m [m].
+        fringe: period of that error [m].
+        corners: share of multiple reflections in concave places (`lengthened`).
+        gloss: cosine above which a surface mirrors the light into the camera.
+        glare: share of such pixels that are holes.
+        torn: share of missing rows.
+        drifted: motion of the scene along the rows until the last row is measured [pixels].
     """
 
     baseline: float

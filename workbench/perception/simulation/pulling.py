@@ -46,7 +46,7 @@ FREELY = 0.02
 """Share of the damping by which fingers closed that is left while the part is pulled."""
 
 SLIPS, TIPS = 0.001, float(np.deg2rad(2.0))
-"""[m, rad] A part that moves so far in the hand slips, one that turns so far tips."""
+"""Motion [m] in the hand from which on a part slips, and rotation [rad] from which on it tips."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,10 +1,12 @@
-"""What is wrong with the points of a scanner, drawn from a seed.
+"""Errors of a scanner's points, drawn from a seed.
 
-The models follow what is known of triangulating sensors: a deviation that grows with the square of
-the depth and with the angle of incidence (Nguyen, Izadi, Lovell, "Modeling Kinect Sensor Noise for
-Improved 3D Reconstruction and Tracking", 3DIMPVT 2012); mixed pixels at depth edges, pixels that
-the projector does not light, and now and then a pattern that is decoded wrongly.  Kinds of scanner
-differ most in the errors that neighbouring pixels share (`image_errors`).
+The models follow the literature on triangulating sensors.  The standard deviation grows with the
+square of the depth and with the angle of incidence.  There are mixed pixels at depth edges, pixels
+that the projector does not light, and outliers by wrong decoding.  Types of scanner differ most in
+the errors that neighbouring pixels share (`image_errors`).
+
+Source: Nguyen, Izadi, Lovell, "Modeling Kinect Sensor Noise for Improved 3D Reconstruction and
+Tracking", 3DIMPVT 2012.
 """
 
 import numpy as np

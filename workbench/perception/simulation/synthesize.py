@@ -36,19 +36,18 @@ def synthesize(
 ) -> Scan:
     """The organised cloud of the parts in their bin, seen by the cell's scanner.
 
-    Rays through all pixels meet parts, bin and fixtures (the robot waits outside the view).  What
-    the projector, beside the camera, does not light is not measured: the shadows of stereo.  How
-    the rest is measured is told in `scan_noise`.  Where a part of the cell has colours, each point
-    has the one that the camera sees there.
+    Rays through all pixels hit parts, bin and fixtures; the robot is outside the view.  Points that
+    the projector beside the camera does not light are not measured (stereo shadows).  For the
+    errors of the others see `scan_noise`.  If a part of the cell has colours, each point has one.
 
     Args:
         cell: bin, fixtures, parts and scanner.
-        truth: the parts that lie there; may be empty.
+        truth: the parts in the bin; may be empty.
         seed: of noise and failures.
-        noise: the build of scanner, None for that which the cell names; the mount's `depth_noise`
-            says how large the deviation of a pixel by itself is.
-        light: for colours, None for an even white one.
-        shows_robot: the robot stands at home, as far as it is in the picture.
+        noise: the type of scanner; None: that of the cell.  The mount's `depth_noise` is the
+            standard deviation of a single pixel.
+        light: for colours; None: even white light.
+        shows_robot: whether the robot, at home, is in the scene.
 
     Raises:
         InputError: a part that the cell does not know, or nothing within the scanner's range.

@@ -30,7 +30,7 @@ SAME_PART = 0.03
 """[m] A part whose frame lies this near to where a scan has shown one is the same."""
 
 LEAST_SECONDS = 0.2
-"""[s] A lift takes at least so long, however short its way is."""
+"""[s] Shortest duration of a lift."""
 
 NO_SLIP = 10
 """Iterations of MuJoCo's search for forces without slip.  Without them parts that lean on others

@@ -1,8 +1,8 @@
-"""Whether two arms can meet while each goes its own way, at whatever speed.
+"""Whether two arms can collide while each follows its own path, at any speed.
 
-The question has two parameters, how far each arm has come.  It is answered as for one arm
-(`motion`): at a state in the middle of both ways no pair may be closer than its margin, plus the
-most by which the rest of both ways can bring it nearer; otherwise the longer way is halved.
+The check has two parameters, the progress of each arm.  It works as for one arm (`motion`), at the
+state in the middle of both paths.  There each pair needs its margin plus a bound of how much nearer
+the rest of both paths can bring it.  Otherwise the longer path is halved.
 """
 
 from collections import deque

@@ -60,21 +60,21 @@ def first_fits(
     margin: float,
     around: Around,
 ) -> tuple[Ints, Ints]:
-    """For each candidate its first way that fits, and what the first of its ways meets.
+    """For each candidate its first way that fits, and the first contact of its first way.
 
     Args:
         hands: of the part.
         grasp: (c,) numbers of grasps.
-        place: (c,) numbers of places; candidates of one place stand together.
+        place: (c,) numbers of places; candidates of one place follow each other.
         pieces: of the part.
-        places: where parts lie.
-        margin: [m] kept to everything but the part itself.
+        places: poses of the parts.
+        margin: [m] to everything except the part itself.
         around: tool and surroundings.
 
     Returns:
-        Numbers of ways (c,), -1 where none fits; and (c, 3) whether it was met `OPEN` or `CLOSED`,
-        solid of the tool times what stands around plus the number there, or `NO_PAIR`, and 1 where
-        the two touch, as opposed to being too near.
+        Numbers of ways (c,), -1 if none fits; and contacts (c, 3): `OPEN` or `CLOSED`; the pair or
+        `NO_PAIR`; 1 for touching, 0 for too near.  The pair is the index of the tool's solid times
+        the number of bodies around, plus the index of the body.
     """
     R, c, W = _scratch(around)
     tools, still = len(around.radius), len(around.owner)

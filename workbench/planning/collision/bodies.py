@@ -354,7 +354,7 @@ class ToolShape:
         return self.solid.name
 
     def at(self, tool: Tool, T_world_tcp: pin.SE3, opening: float) -> pin.SE3:
-        """Where it is in the world, its tool being open so far [m]."""
+        """Its pose in the world at an opening [m] of its tool."""
         T = self.T_flange_body
         moved = pin.SE3(T.rotation, T.translation + self.direction * opening / 2)
         return T_world_tcp * tool.T_flange_tcp.inverse() * moved

@@ -1,21 +1,22 @@
-"""Compiled bounds: which pairs can possibly be close, and how far a motion can bring them.
+"""Compiled bounds: which pairs can be close, and how far a motion can bring them.
 
-Two facts make checking cheap and proofs continuous.
+Three bounds make checks cheap and proofs continuous.
 
 *Distance from below.*  Each body lies in a ball and in an oriented box.  The distance of one
 body's ball centre to the other's box, less the ball's radius, never exceeds the true distance.
 
 *Motion from above.*  Move from q to q + d one joint at a time, outermost first.  A point at
-distance r from the axis of joint i moves at most |d_i| (r + s), where s is how far the outer
-joints have moved it already.  Joints that carry both bodies of a pair change nothing between
+distance r from the axis of joint i moves at most |d_i| (r + s).  Here s is the point's motion by
+the outer joints.  Joints that carry both bodies of a pair change nothing between
 them.  (The chain bound of Schwarzer, Saha and Latombe, "Exact collision checking of robot
 paths", 2002, tightened by taking r at q.)
 
-*Along a direction.*  Bodies that a plane parts stay apart as long as neither has come through
-it; towards it a body moves by its velocity times the way, and by what the velocity changes:
-less than the chain bound by far where it moves past something.  (Directional motion bounds as in
-X. Zhang, S. Redon, M. Lee and Y. J. Kim, "Continuous collision detection for articulated models
-using Taylor models and temporal culling", 2007; here of the first order, with a bound of the rest.)
+*Along a direction.*  Bodies on two sides of a plane stay apart until one passes through it.  A body
+moves towards the plane by its velocity times the path, plus a bound for the change of velocity.
+That is far less than the chain bound where a body moves past something.  (Directional motion
+bounds as in X. Zhang, S. Redon, M. Lee and Y. J. Kim, "Continuous collision detection for
+articulated models using Taylor models and temporal culling", 2007.  Here they are of first order,
+with a bound of the rest.)
 """
 
 from typing import NamedTuple
@@ -127,10 +128,10 @@ def _box_gap(a: int, b: int, R: Floats, c: Floats, half: Floats) -> float:
 def lower_bound(
     a: int, b: int, R: Floats, c: Floats, half: Floats, radius: Floats, limit: float
 ) -> float:
-    """A distance [m] that two bodies certainly have; no better one than `limit` is searched for.
+    """A lower bound of the distance [m] of two bodies; the search ends when it reaches `limit`.
 
-    `R` (b, 3, 3) and `c` (b, 3) [m] place the boxes of half sizes `half` (b, 3) [m] of all bodies,
-    `radius` (b,) [m] is that of balls around the same centres.
+    `R` (b, 3, 3) and `c` (b, 3) [m] are the poses of the bodies' boxes, `half` (b, 3) [m] their
+    half lengths.  `radius` (b,) [m] is that of the balls around the same centres.
     """
     apart = max(
         ball_to_box(c[a, 0], c[a, 1], c[a, 2], float(radius[a]), b, R, c, half),
@@ -174,12 +175,11 @@ def walk(
 
 
 class PairDrift(NamedTuple):
-    """How two bodies move against each other from a state on, seen from what carries both.
+    """Relative motion of two bodies from a state on, seen from the joint that carries both.
 
-    `x`, `y`, `z` [m] is how far the centre of the one moves against that of the other, and `a_...`
-    and `b_...` [rad] how far each turns, if all goes on as it does in the state; `rest` [m] is by
-    how much more any point may move towards another one, `most` [m] how much nearer they can come
-    at all.
+    `x`, `y`, `z` [m] are the first-order motion of the first body's centre relative to the second.
+    `a_...` and `b_...` [rad] are their first-order rotations.  `rest` [m] bounds the further
+    motion of any point towards the other body, `most` [m] how much nearer they can come at all.
     """
 
     x: float

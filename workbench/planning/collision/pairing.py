@@ -77,14 +77,18 @@ class LegPhase:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Checks:
-    """The pairs of a phase.
+    """The pairs of a phase; arrays have an entry for each pair.
 
-    `arms` are the numbers of arms by name, `among` those of the pairs that count.  For every pair
-    there is its margin [m], the arms that carry its bodies in `carriers` (pairs, 2), -1 where none
-    does, and in `commons` the deepest joint that carries both.  `lifts` states whether one of them
-    is a part that is being lifted; `leaves` whether it is a part that has been placed and the other
-    is of the arm that now goes away from it; `placed` whether it is a placed part at all; `couples`
-    whether one is of a tool, or of a link that is rigid with a flange.
+    Attributes:
+        arms: indices of the arms by name.
+        among: indices of the pairs to check.
+        margins: margins (pairs,) [m].
+        carriers: indices of the arms that carry the bodies (pairs, 2); -1: none.
+        commons: the deepest joint that carries both bodies (pairs,).
+        lifts: whether a body is a part that is being lifted.
+        leaves: whether a body is a placed part, and the other is of the arm that now leaves it.
+        placed: whether a body is a placed part.
+        couples: whether a body is of a tool, or of a link that is rigid with a flange.
     """
 
     arms: Mapping[str, int]
@@ -109,11 +113,11 @@ class Checks:
         return (self.lifts | self.leaves) & ((first < 0) | (second < 0) | (first == second))
 
     def at_start(self, pairs: Ints, distances: Floats, near: float) -> Floats:
-        """The margins [m] of a leg for which pairs are as close as `distances` where it begins.
+        """The margins [m] of a leg at whose start the pairs have these `distances` [m].
 
-        A part touches the bin's floor and other parts when it is taken: as it is lifted, it keeps
-        `distances_to_keep` to these.  A hand that has let go of a part keeps `near` to it on its
-        way out, and where it is closer already it may not come nearer; see `picking.leaving`.
+        A part touches the bin's floor and other parts when it is grasped.  During the lift it keeps
+        `distances_to_keep` to them.  A hand that leaves a released part keeps `near` [m] to it, and
+        does not come nearer where it is closer already; see `picking.leaving`.
         """
         # The margins of the phase serve others too; these are for this leg alone.
         margins = np.where(self.leaves, np.minimum(self.margins, near), self.margins)

@@ -1,7 +1,7 @@
-"""A part alone, moved straight out of the bin: which directions are free, whoever holds it.
+"""Straight extraction of a part from the bin: which directions are free, with any grasp.
 
-The way of a part does not depend on the grasp.  So where a neighbour lies on it, or leans on it, no
-grasp has to be tried.
+The path of the part does not depend on the grasp.  If a neighbour on the part blocks it, no grasp
+has to be tried.
 """
 
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ CHECK_SPACING = 0.004
 """[m] Parts are checked this far apart on their way."""
 
 ASIDE = 0.0005
-"""[m] An arm's way, straight between waypoints of its joints, is so far from the straight line."""
+"""[m] Deviation of an arm's motion from the straight line, between waypoints of its joints."""
 
 WAY_START = 0.003
 """[m] So much of a way states whether it leads away from what the part lies against.
@@ -251,11 +251,11 @@ class PartWays:
         return None if code == NO_PAIR else self._label(code)
 
     def find_snag(self, number: int, way: Floats) -> Caught | None:
-        """What holds a part back as it comes off what it lies on, at some turn nobody can exclude.
+        """What may catch a part as it leaves its support, at some possible roll.
 
-        Of parts whose roll is unknown, its own or that of a neighbour, every turn counts that
-        leaves it no deeper in anything than the policy's `sink`.  Where all rolls are known nothing
-        does: the closer look that follows says it.
+        For unknown rolls, of the part or of neighbours, every roll counts at which no overlap is
+        deeper than the policy's `sink`.  If all rolls are known, the result is None: a later, more
+        exact check covers that.
 
         Args:
             number: of the detection.

@@ -1,4 +1,4 @@
-"""What stands around arms, tools and parts in a scan: made once, and given to whoever asks."""
+"""The surroundings of arms, tools and parts in a scan, computed once and shared."""
 
 from collections.abc import Iterator, Sequence
 

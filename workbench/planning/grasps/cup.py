@@ -28,8 +28,8 @@ NEAR_TIP = 0.002
 class Seal:
     """The surface under a cup's lip.
 
-    `missing` is the share of the lip under which there is none, `unevenness` [m] how much its
-    height differs, `height` [m] where it lies above the TCP on average, against the cup.
+    `missing` is the share of the lip without a surface below it.  `unevenness` [m] is the variation
+    of the surface's height, `height` [m] its mean above the TCP, towards the cup.
     """
 
     missing: float

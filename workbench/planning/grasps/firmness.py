@@ -1,8 +1,8 @@
 """Whether a grip holds a part's weight and acceleration, whichever way they pull: a wrench check.
 
-The forces that a grip holds are a convex body.  What counts is the largest ball in it, as in
-Ferrari and Canny, "Planning optimal grasps", ICRA 1992, but with the torque that each force brings
-along.  What the contacts hold is said in `grip_program`.
+The forces that a grip holds form a convex body.  The measure is the largest ball in it, as in
+Ferrari and Canny, "Planning optimal grasps", ICRA 1992.  Here each force acts with the torque that
+it causes.  For the forces of the contacts see `grip_program`.
 """
 
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ LIP_POINTS = 16
 """Around a cup."""
 
 REFINED = 4
-"""Directions that are tried beside the first ones, each square to the weakest side so far."""
+"""Number of further directions to try, each perpendicular to the weakest facet until then."""
 
 MOST_TIMES = 9.9
 """Times the load: more is as good."""

@@ -46,10 +46,10 @@ MOST_UNSEALED = 0.02
 
 @dataclass(frozen=True, slots=True)
 class GraspFinding:
-    """Something that speaks against a grasp, or, if it is no problem, that one should know.
+    """A problem of a grasp, or a remark if `is_problem` is False.
 
-    `amount` is what is wrong, in m, or in rad for `slip`, or a share for a cup's lip,
-    and for `weight` of what is held.
+    `amount` is the size of the problem [m]; for `slip` [rad].  For a cup's lip it is a share of the
+    lip, for `weight` a share of the holding force.
     """
 
     kind: FindingKind
@@ -82,10 +82,10 @@ class GraspCheck:
 
 
 class GraspChecker:
-    """A part and a tool, prepared for any number of grasps.
+    """Checks any number of grasps of a part by a tool.
 
-    Grips are weighed where the tool's force and the part's friction are stated, and `acceleration`
-    [m/s2] is given, which they have to hold against in any direction beside the weight.
+    Holding forces are checked if the cell states the tool's force and the part's friction.  They
+    must hold the weight and an `acceleration` [m/s2] in any direction; None skips the check.
 
     Lifetime: as long as part and tool.
     Concurrency: one thread at a time.

@@ -10,7 +10,7 @@ from workbench.model.part import Part
 from workbench.model.symmetry import Symmetry
 
 STEADY = np.deg2rad(12.0)
-"""[rad] So far a part may be tilted before it falls over; the proof asks for a little less."""
+"""[rad] Tilt up to which a part must not fall over; the proof requires a little less."""
 
 COPLANAR_WITHIN = 2e-4
 """[m] Corners of the hull no farther than this from a plane lie in it."""

@@ -1,4 +1,4 @@
-"""Parts whose roll the scan does not show: what is right for every turn, and how that is told."""
+"""Parts of unknown roll: what holds for every roll, and the messages about it."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -127,17 +127,17 @@ def legs_seconds(ends: Floats, pace: Pace) -> float:
 def draw_towards(
     chain: Chain, T_world_tcp: pin.SE3, q: Floats, stops: Floats, pace: Pace
 ) -> Floats:
-    """Configurations (k, n) [rad] moved along their families, to be nearer in time to `stops`.
+    """Move redundant configurations (k, n) [rad] to be nearer in time to `stops`.
 
-    Steps against the slope of the time are brought back to where the tool is as it was, which
-    inverse kinematics does by the shortest way; what is not quicker then is not taken.
+    A gradient step reduces the travel time; inverse kinematics then restores the pose of the tool
+    by the smallest change.  The result is used only if it is quicker.
 
     Args:
         chain: of the arm.
-        T_world_tcp: where its tool is at each of `q`.
-        q: configurations (k, n) [rad]; of an arm without a spare axis nothing is moved.
-        stops: (s, n) [rad] where the arm comes from or goes to.
-        pace: of its joints.
+        T_world_tcp: pose of its tool at each of `q`.
+        q: configurations (k, n) [rad]; without a redundant axis they stay the same.
+        stops: (s, n) [rad] configurations before and after.
+        pace: limits of the joints.
     """
     if q.shape[1] <= 6 or len(q) == 0:
         return q

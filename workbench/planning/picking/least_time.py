@@ -1,9 +1,8 @@
-"""A lower bound of a plan's cycle: what the same parts would take if nothing were in the way.
+"""A lower bound of a plan's cycle time: that of the same parts without obstacles.
 
-Between two stops of an arm every joint has to turn from where it stands to where it has to be, by
-way of the ends of the linear motions.  It can do that no quicker than alone, straight, at its full
-allowed speed, acceleration and, where the cell limits it, jerk.  An arm stops at the part, at the
-place and at home, nowhere else, and no arm ever waits for another.
+Between two stops of an arm each joint passes the ends of the linear motions.  It is never quicker
+than alone, straight, at its limits of speed, acceleration and, where the cell states it, jerk.  For
+the bound an arm stops only at the part, at the place and at home, and never waits for another.
 """
 
 from collections.abc import Mapping, Sequence

@@ -13,11 +13,11 @@ from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 
 CLOSING = 0.001
-"""[m] Fingers that close are checked this often; they are thicker."""
+"""[m] Step of checks while fingers close; fingers are thicker."""
 
 SPARE_MARGIN = 0.0005
-"""[m] By so much more than its margin a hand has to be away from a part to have left it.  Fingers
-slide along parts at a distance that may just be the margin."""
+"""[m] Distance beyond the margin from which on a hand has left a part.  Fingers slide along parts
+at a distance that may just be the margin."""
 
 
 def find_contact_after_release(

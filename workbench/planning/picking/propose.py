@@ -30,7 +30,7 @@ _OUTSIDE = Verdict(Reason.OUTSIDE_REGIONS, Stage.PROPOSE)
 
 
 HandsLooked = Callable[[int, int], object]
-"""Told after each hand that was tried: how many were, of how many."""
+"""Callback after each hand that was tried, with their number and the total."""
 
 GRASPS_BEFORE_SPARE = 2
 """Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
@@ -224,14 +224,14 @@ def refuse_where_it_lies(world: World, number: int) -> Verdict | None:
 
 
 def as_it_fits(arm: Arm, grasp: Grasp, fit: Fit) -> Grasp:
-    """The grasp as the hand fits: with its fingers so far open on arrival."""
+    """The grasp with the opening of the fingers on arrival at which the hand fits."""
     is_other = bool(arm.tool.fingers) and fit.opening != grasp.opening
     return open_grasp(grasp, fit.opening) if is_other else grasp
 
 
 @lru_cache(maxsize=4096)
 def open_grasp(grasp: Grasp, opening: float) -> Grasp:
-    """The grasp with its fingers so far open [m] on arrival, the same object each time."""
+    """The grasp with this opening [m] on arrival, the same object each time."""
     return replace(grasp, opening=opening)
 
 

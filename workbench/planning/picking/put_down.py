@@ -79,9 +79,9 @@ def plan_straight_descents(
 
 
 class _Hands(NamedTuple):
-    """Where a hand may be at a place.
+    """Possible poses of a hand at a place.
 
-    It comes there by so much `way` (3,) [m] in the world.
+    The last motion to it is `way` (3,) [m] in the world.
     """
 
     Ts_world_tcp: Sequence[pin.SE3]
@@ -345,7 +345,7 @@ def posture_of(world: World, arm: Arm, q: Floats) -> Floats:
 
 
 def _back(T_world_tcp: pin.SE3, way: Floats) -> pin.SE3:
-    """Where a hand is that has still to come to a place, by so much (3,) [m]."""
+    """Pose of a hand before the last motion (3,) [m] to a place."""
     return pin.SE3(T_world_tcp.rotation, T_world_tcp.translation - way)
 
 

@@ -50,7 +50,7 @@ STRAIGHT_REASONS: Mapping[LegName, Reason] = {
     "approach": Reason.APPROACH_BLOCKED,
     "extract": Reason.EXTRACT_BLOCKED,
 }
-"""Legs that are known to be clear but for what other arms have placed; what they are refused by."""
+"""Legs known to be clear except for parts that other arms placed, and the reason of a refusal."""
 
 
 def route(

@@ -1,7 +1,7 @@
-"""What is not known of where a part lies in the bin, by where it comes from.
+"""Errors of a part's pose in the bin, by their source.
 
-All are covariances (6, 6) [m, rad] of shifts of the part's origin, then of turns about it, along
-the world's axes, as `Detection` has it.
+All are covariances (6, 6) [m, rad] along the world's axes: of shifts of the part's origin, then of
+rotations about it, as in `Detection`.
 """
 
 import numpy as np

@@ -46,10 +46,10 @@ def look_at_the_clock(is_clear: EdgeCheck) -> None:
 
 
 class RecordedAnswers(NamedTuple):
-    """What a function was answered so far: it begins anew with each answer, and gets as far again.
+    """Answers to a function's questions; with each new answer the function starts again.
 
-    `known` (k,) are the answers in the order of its questions; `asked` (2,) how many questions it
-    has asked since it began, and how many answers there are; `edge` (2, n) [rad] is the open one.
+    `known` (k,) are the answers in the order of the questions.  `asked` (2,) counts the questions
+    since the start, and the answers.  `edge` (2, n) [rad] is the open question.
     """
 
     known: Bools

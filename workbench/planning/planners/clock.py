@@ -19,9 +19,9 @@ def working_time() -> float:
 
 
 def processor_time() -> float:
-    """As `working_time`, but the processor time of this thread: what deadlines are told on.
+    """As `working_time`, but the processor time of this thread; deadlines count it.
 
-    What else the machine does must not decide whether a planning ends, and so what it finds.
+    Other load on the machine must not decide when a planning ends, and so what it finds.
     """
     return time.thread_time() - _spent.processor_seconds
 
@@ -36,7 +36,7 @@ class _Spent(threading.local):
 
 
 class _CompileListener(event.Listener):
-    """Told by numba, in the thread that compiles."""
+    """Called by numba, in the thread that compiles."""
 
     def on_start(self, event: event.Event) -> None:
         if _spent.depth == 0:

@@ -24,9 +24,9 @@ NO_CUTS = -1
 def shorten_path(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
     """The same path (m, n) [rad] with detours cut: waypoints skipped, then corners cut off.
 
-    From each kept waypoint it goes straight on to the furthest one that can be reached; then, at
-    each corner, the widest of some straight cuts that is clear is taken, `CORNER_CUTS` times or
-    until there could be more than `most` waypoints.
+    From each remaining waypoint it goes straight to the furthest reachable one.  Then each corner
+    gets the widest clear cut of some.  This repeats `CORNER_CUTS` times, or ends before there could
+    be more than `most` waypoints.
     """
     count, joints = path.shape
     questions = count * count + CORNER_CUTS * len(CUTS) * max(most, count)

@@ -21,15 +21,15 @@ LONGEST_EDGE = 0.6
 
 NEARBY = 0.3
 WIDENING = 0.03
-"""[rad] Samples lie in the box around start and goal, wider by `NEARBY`, and by so much more
-with each iteration: most ways need no joint to go far, and most of its range leads elsewhere."""
+"""[rad] Growth of the sampled box around start and goal with each iteration, from `NEARBY` on.
+Most paths need no joint to move far, and most of its range leads elsewhere."""
 
 FOUND, EXHAUSTED, FULL, PAUSED = 1, 2, 3, 4
 """Why growing has stopped, beside `ASK`: trees have met, iterations are used up, there is no more
 room, or it is time to look at the clock."""
 
 EDGES_A_TURN = 500
-"""Edges that are checked between two looks at the clock."""
+"""Number of edges that are checked between two readings of the clock."""
 
 DRAW, EXTEND, CONNECT = 0, 1, 2
 

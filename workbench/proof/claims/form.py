@@ -25,8 +25,8 @@ from workbench.proof.claims.stirring import stir_violations
 from workbench.proof.claims.tool_change import change_violations
 
 JOINED_WITHIN = 1e-9
-"""[rad] So far from the end of a leg the next one may begin; and half of the smallest step that can
-be sent from a home that is no whole number of steps."""
+"""[rad] Largest distance between the end of a leg and the start of the next.  It is half of the
+smallest step that can be sent, for a home that is no whole number of steps."""
 
 HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place", "lift", "carry"})
 LINEAR: frozenset[LegName] = frozenset((*SLOT_LEGS, "approach", "extract", "place", "lift"))

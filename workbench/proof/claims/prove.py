@@ -36,7 +36,7 @@ from workbench.proof.engine.search import SIGHT
 from workbench.proof.engine.shapes import gap_of
 
 RESOLUTION = 0.0005
-"""[m] By so much a distance may fall short of its margin; see `search`."""
+"""[m] Tolerance of a distance below its margin; see `search`."""
 
 
 def prove(

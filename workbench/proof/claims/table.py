@@ -51,7 +51,7 @@ ABOVE_CONTENT = "above_bin_content"
 """What people call the box above that, in which a part may come to stand upright."""
 
 TOUCH = 1e-6
-"""[m] What touches may seem this far apart by rounding."""
+"""[m] Apparent distance of touching bodies, by rounding."""
 
 DEEPEST_IN_SLOT = 0.0005
 """[m] Tool and flange may be this deep in what they touch in a slot."""

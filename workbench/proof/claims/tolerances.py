@@ -66,12 +66,12 @@ def farthest(points: Floats, origin: Floats) -> float:
 
 
 def largest_turn(reach: float) -> float:
-    """[rad] By how much a hand on a straight line may turn whose part extends so far [m]."""
+    """[rad] Largest rotation of a hand on a straight line, for a part of this reach [m]."""
     return float(min(HAND_TURN, HAND_TURN_REACH / max(reach, 1e-9)))
 
 
 def turns_for(radius: float) -> int:
-    """At how many turns a body of unknown roll is checked that extends so far [m] from its axis."""
+    """Number of rolls at which a body of unknown roll and this radius [m] is checked."""
     return max(int(np.ceil(np.pi * radius / BETWEEN_TURNS)), FEWEST_TURNS)
 
 

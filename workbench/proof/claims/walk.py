@@ -44,14 +44,14 @@ from workbench.proof.engine.sets import Sets
 from workbench.proof.engine.space import Space
 
 SPARE_MARGIN = 0.0005
-"""[m] So much more than its margin away, a hand has left a part."""
+"""[m] Distance beyond the margin from which on a hand has left a part."""
 
 CLOSING = 0.001
-"""[m] Fingers that close are checked this often; they are thicker."""
+"""[m] Step of checks while fingers close; fingers are thicker."""
 
 MOST_TOGETHER = 1_000_000
-"""Pairs of places on the ways of two arms, before they are halved: two of 120 waypoints have so
-many."""
+"""Largest number of pairs of places on two arms' paths before halving, enough for 120 waypoints
+each."""
 
 FAR_SIGHT = 0.4
 """[m] Distances between arms are computed up to here."""

@@ -28,13 +28,20 @@ class JointTree(NamedTuple):
 
 
 class Bodies(NamedTuple):
-    """Bodies as arrays: the joints (b,) that carry them, turns and centres in those.
+    """Bodies as arrays; each body is a hull of points, thickened by a box, a disc and a ball.
 
-    `turns` (b, 3, 3), `centres` (b, 3) [m], `halves` (b, 3) [m] half lengths of the boxes around
-    them, `radii` (b,) [m] of the balls.  `rounds` (b,) states that a body fills the same space
-    however its own joint is turned.  A body is the hull of points (m, 3) [m], those from
-    `starts[b]` to `starts[b + 1]` seen from its centre: each with a box of half lengths `boxes`
-    (b, 3) [m], a disc across z of radius `discs` (b,) [m] and a ball of radius `balls` (b,) [m].
+    Attributes:
+        joints: joints that carry the bodies (b,).
+        turns: rotations of the bodies in the joints' frames (b, 3, 3).
+        centres: centres of the bodies in the joints' frames (b, 3) [m].
+        halves: half lengths of the boxes around the bodies (b, 3) [m].
+        radii: radii of the balls around the bodies (b,) [m].
+        rounds: whether a body fills the same space at any angle of its own joint (b,).
+        points: points of all hulls, seen from the centres (m, 3) [m].
+        starts: the points of body b run from `starts[b]` to `starts[b + 1]`.
+        boxes: half lengths of the box at each point (b, 3) [m].
+        discs: radius of the disc across z at each point (b,) [m].
+        balls: radius of the ball at each point (b,) [m].
     """
 
     joints: Ints
@@ -53,8 +60,8 @@ class Bodies(NamedTuple):
 class BodyPoses(NamedTuple):
     """Poses of all bodies and joints at configurations (k,).
 
-    `turns` (k, b, 3, 3) and `centres` (k, b, 3) [m] are those of bodies, `places` (k, j, 3) [m]
-    and `axes` (k, j, 3) those of joints; `moves` (k, b) [m]: no point of a body gets farther.
+    `turns` (k, b, 3, 3) and `centres` (k, b, 3) [m] are those of bodies.  `places` (k, j, 3) [m]
+    and `axes` (k, j, 3) are those of joints.  `moves` (k, b) [m] bounds the motion of a body.
     """
 
     turns: Floats

@@ -67,16 +67,15 @@ def _reach(
     world: BodyPoses,
     spread: SetExtents,
 ) -> float:  # pragma: no cover (compiled)
-    """How far [m] along a normal, or against it by its `sign`, no point of a body gets.
+    """A bound [m] of a body's reach along a normal n, or against it by its `sign`.
 
-    A point x that joint j turns by d about its axis a through o goes d (a x (x - o)) n =
-    d (x - o) c along n, with c = n x a: to first order, where the body reaches in a direction that
-    is a little off n, linear in d, so that the most is at a corner of the set.
+    Joint j rotates a point x by d about its axis a through o.  To first order x moves along n by
+    d (a x (x - o)) n = d (x - o) c, with c = n x a.  So the first-order reach is that of the body
+    in a direction a little off n.  It is linear in d, hence largest at a corner of the set.
 
-    The rest: joints are turned one after the other, that nearest to the body first, each about its
-    axis in the middle.  Then the body is within `far` of where it was.  That changes the
-    first order by d |c| far, and a turn by d leaves its tangent by d^2 / 2 times the distance from
-    the axis.
+    The rest is bounded joint by joint, from the body inwards, each about its axis in the middle
+    of the set.  The body is then within `far` of its place.  This changes the first order by
+    d |c| far.  A rotation by d leaves its tangent by d^2 / 2 times the distance from the axis.
     """
     best = -np.inf
     nx, ny, nz = sign * normal[0], sign * normal[1], sign * normal[2]

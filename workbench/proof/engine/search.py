@@ -34,10 +34,10 @@ SIGHT = 0.1
 """[m] Distances are computed up to here."""
 
 SHORT_SHARE, SHORT_BY = 0.3, 0.002
-"""A lower bound is good enough that is short by this share of the distance, or by so much [m]."""
+"""A lower bound is good enough within this share of the distance, or within this distance [m]."""
 
 MOST_HALVES = 100_000
-"""After this many halves of one motion nothing is said of it: it is near something for too long."""
+"""The proof gives up on a motion after this many halvings: it is close to a body for too long."""
 
 RUN = 16
 """Groups of sets, of each arm, that are checked together at first."""
@@ -131,10 +131,10 @@ def search(
 
 
 class _Wanted:
-    """How well distances after each waypoint are wanted.
+    """Required accuracy of the distances after each waypoint.
 
-    `nearest` (w,) [m] is what was measured so far; a bound above `goals` (w,) [m] is good enough.
-    Goals are `by_waypoint` unless the nearest of all is wanted.
+    `nearest` (w,) [m] are the smallest measured distances; a bound above `goals` (w,) [m] is good
+    enough.  Goals are `by_waypoint` unless only the smallest distance of all is required.
     """
 
     def __init__(self, goal: SearchGoal) -> None:

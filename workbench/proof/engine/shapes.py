@@ -214,10 +214,10 @@ def least_gap(body: Placed, others: Sequence[Placed], far: float = np.inf) -> fl
 
 
 def _measure_aslant_first() -> None:
-    """Let Coal fix, for this process, that boxes are as large as they are.
+    """Make Coal use the exact size of boxes in this process.
 
-    The first direction in which it looks at a box decides if boxes count as 1 + 1e-10 times
-    their size, if a component of it is zero: the last digits would depend on what came before.
+    If the first direction in which Coal measures a box has a zero component, boxes count as
+    1 + 1e-10 times their size.  Then the last digits would depend on earlier measurements.
     """
     turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
     coal.distance(

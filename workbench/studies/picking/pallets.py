@@ -29,9 +29,9 @@ LEANS, LIES_OFF = np.deg2rad(2.0), 0.004
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One pallet: of each pile with so many `parts` of a kind, whose poses are known, one is taken.
+    """One pallet: each pile has `parts` parts of a kind at known poses, of which one is taken.
 
-    `off` [m] is the standard deviation of where a hand really lets go, along x and along y.
+    `off` [m] is the standard deviation of the actual release position along x and y.
     """
 
     cell: str

@@ -52,12 +52,12 @@ class Stall:
 
 
 class Watchdog:
-    """Looks every `POLL_EVERY` whether it may run, and how long each callback of event loops takes.
+    """Checks every `POLL_EVERY` whether its thread runs, and times each callback of event loops.
 
     Lifetime: from construction until `close`.
 
-    Concurrency: a thread of its own, which tells stalls of the interpreter; those of an event loop
-    are told by the thread of that loop.
+    Concurrency: its own thread reports stalls of the interpreter; the thread of an event loop
+    reports those of the loop.
     """
 
     def __init__(self, report: Callable[[Stall], None], least: float = LEAST_STALL) -> None:

@@ -20,15 +20,15 @@ WHILE = 300.0
 """[s]"""
 
 REMEMBERED = 180 * 86400.0
-"""[s] So long a browser is known after a login in it."""
+"""[s] Time for which a browser is known after a login."""
 
 MOST_BROWSERS = 20
-"""Of one user, that are known; the oldest are forgotten."""
+"""Largest number of known browsers of a user; the oldest are forgotten."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoginAttempt:
-    """A login that is being tried; counts as failed so far."""
+    """A login in progress; it counts as failed until it succeeds."""
 
     numbers: tuple[int, ...]
 

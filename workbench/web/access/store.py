@@ -17,7 +17,7 @@ from workbench.model.errors import FileError
 OWNER_ONLY = 0o600
 
 APPLICATION = 0x57426672
-"""Tells our file from other SQLite files (`PRAGMA application_id`)."""
+"""Identifies our file among SQLite files (`PRAGMA application_id`)."""
 
 LONGEST_WAIT = 5.0
 """How long [s] a change waits for another program's."""

@@ -20,8 +20,8 @@ def problem(
 
     Args:
         status: of the answer; its phrase is the title.
-        detail: a sentence for whoever asked, which says what to do instead; of one with an id, the
-            answer has `said` as well, its id and arguments.
+        detail: a sentence for the client, which states what to do instead.  For a text with an id
+            the answer has `said` as well, its id and arguments.
         headers: that the status wants beside.
     """
     content: dict[str, Any] = {

@@ -1,8 +1,7 @@
-"""How many connections there may be: all of them, those with a login apart from those without.
+"""Limits of the number of connections: in total, and of those without a login.
 
-A connection without a login holds a place that costs nothing to take.  So it may not hold it for
-long, and gives way when others come.  There are never so many of them that those who have
-logged in find no room.
+A connection without a login costs an attacker nothing.  So it may not last long, and is closed
+when others come.  Its limit always leaves room for people who have logged in.
 """
 
 import socket

@@ -32,11 +32,10 @@ POLL_EVERY = 1.0
 
 
 class Gate:
-    """Takes connections in.
+    """Accepts connections.
 
-    Our own instead of asyncio's: that one tells nobody of a connection before its TLS handshake
-    is done.  When file descriptors run out it tries 128 times in a row, writes to the log each
-    time, and has each of them try again.
+    It replaces asyncio's loop, which reports a connection only after its TLS handshake.  When file
+    descriptors run out, asyncio tries 128 times in a row, and logs and repeats each attempt.
 
     Lifetime: `serve`, until it is cancelled.
 
@@ -53,9 +52,9 @@ class Gate:
         """Made by `serve_front`.
 
         Args:
-            bound: listens.
-            tls: to be spoken, if any.
-            limits: told of everybody who comes.
+            bound: the listening socket.
+            tls: the TLS context, if any.
+            limits: gets every new connection.
             server: answers requests.
         """
         self._bound = bound

@@ -100,10 +100,10 @@ class Sparing(logging.Filter):
 
 
 def _is_redundant(record: logging.LogRecord) -> bool:
-    """Whether a library tells, as unhandled, what was answered or cannot be.
+    """Whether a library logs an error as unhandled that was answered or cannot be.
 
-    It reads what is left of a body after the answer: that may not be what its head says, or the
-    other end may have gone.
+    The library reads the rest of a body after the answer.  The body may differ from what its head
+    states, or the client may have closed the connection.
     """
     error = record.exc_info[1] if record.exc_info else None
     is_of_body = isinstance(error, web.RequestPayloadError) or is_broken_off(error)

@@ -1,4 +1,4 @@
-"""Files that a browser sends through viser, counted: viser believes what it is told of the size."""
+"""Counts the bytes of files that a browser sends through viser, which trusts the stated size."""
 
 from dataclasses import dataclass
 

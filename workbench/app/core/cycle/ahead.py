@@ -1,9 +1,9 @@
-"""The next cycle worked on while a plan still runs: kept apart until that has ended as planned.
+"""Prepares the next cycle while a plan still runs, apart from the state until the plan has ended.
 
-Somebody has asked to go on (`GoOn`) while something is sent.  As soon as the robot is reported to
-run a step from which on the scanner sees past the arms, the scan is taken, parts are found, and the
-next plan is made for the state that a good end leaves.  None of that is the state's own scan or
-plan before there is such an end, and whatever is in doubt throws it away.  Nothing here sends.
+A person commands `GoOn` while a plan is sent.  The scan is taken as soon as the robot reports a
+step from which on the arms are out of the scanner's view.  Then parts are searched and planned for
+the state after a successful end.  Scan and plan enter the state only after such an end; any doubt
+discards them.  Nothing here sends.
 """
 
 from dataclasses import dataclass, field, replace
@@ -88,14 +88,14 @@ class GoOn(Command):
 
 
 def _without_scan(state: State, wanted: GoOn, entry: Entry) -> Begun | None:
-    """The planning for what is left after a missed grip; None where a scan has to come first."""
+    """The planning for the remaining parts after a missed grip; None if a scan is needed first."""
     if not (state.cell.policy.retry_without_scan and is_rest_known(state)):
         return None
     return make_plan(with_rest(state), entry, wanted.plan, then=wanted)
 
 
 def asked_ahead(state: State, wanted: GoOn, entry: Entry) -> Begun:
-    """The state in which the next cycle is asked for while a plan is sent."""
+    """The state with the next cycle requested while a plan is sent."""
     message = StateText.NEXT_CYCLE_AT_END()
     if wanted.sees_from:
         message = StateText.NEXT_CYCLE_FROM(step=wanted.sees_from)
@@ -103,7 +103,7 @@ def asked_ahead(state: State, wanted: GoOn, entry: Entry) -> Begun:
 
 
 def begun_ahead(state: State, entry: Entry) -> Begun:
-    """Have the scanner triggered once the robot is reported to be where it sees past the arms."""
+    """Trigger the scanner once the robot reports a step at which the arms are out of its view."""
     ahead = state.ahead
     if ahead is None or ahead.brought or state.job is not None or not _sees(state, ahead):
         return state, ()
@@ -126,7 +126,7 @@ def brought_ahead(state: State, number: int, result: Any, entry: Entry) -> Decis
 
 
 def given_up(state: State, why: Message) -> Ended:
-    """The state without what was worked on ahead, and without the wish for it."""
+    """The state without the prepared cycle and without the request for it."""
     if state.ahead is None:
         return state, ()
     effects = () if state.job is None else (StopJob(state.job.number),)
@@ -135,12 +135,12 @@ def given_up(state: State, why: Message) -> Ended:
 
 
 def after_the_end(before: State, after: State, entry: Entry) -> Decision:
-    """What was worked on ahead becomes the state's own, or is thrown away, when a plan has ended.
+    """Take the prepared cycle into the state, or discard it, when a plan has ended.
 
     Args:
-        before: the state while the plan was sent that has ended.
-        after: the state after its end, which may be that the next one of the row is sent.
-        entry: tells of the end.
+        before: the state while the plan was sent.
+        after: the state after its end, in which the next plan of the row may already be sent.
+        entry: the journal entry of the end.
     """
     ahead = before.ahead
     if ahead is None or after.phase is Phase.SENDING:
@@ -168,7 +168,7 @@ def after_the_end(before: State, after: State, entry: Entry) -> Decision:
 
 
 def _sees(state: State, ahead: Ahead) -> bool:
-    """Whether the last plan that is sent has come, by the robot's reports, to where it is seen."""
+    """Whether the robot reports that the last plan has reached the step from which a scan works."""
     if looks_again(state.cell):
         # A base that is on its way there has to be in the next scan.
         return False
@@ -179,7 +179,7 @@ def _sees(state: State, ahead: Ahead) -> bool:
 
 
 def _has_failed(state: State) -> bool:
-    """Whether a pick has failed, as far as the robot or people have said."""
+    """Whether the robot or a person has reported a failed pick."""
     reports = (receipt.part for receipt in state.receipts if receipt.part is not None)
     has_failed_part = any(part.is_picked is False for part in (*reports, *state.part_reports))
     return has_failed_part or any(
@@ -188,7 +188,7 @@ def _has_failed(state: State) -> bool:
 
 
 def _as_if_ended(state: State, at: float) -> State:
-    """The state that a good end of the plan that is sent would leave, at [s since the epoch]."""
+    """The state that a successful end of the current plan would leave, `at` [s since the epoch]."""
     if state.plan is None or state.ahead is None:
         return state
     parts = tuple(PartReport(arm.arm, arm.detection, True) for arm in state.plan.picks)
@@ -197,7 +197,7 @@ def _as_if_ended(state: State, at: float) -> State:
 
 
 def _taken_over(state: State, ahead: Ahead) -> State:
-    """The state with all that was brought, as if its tasks had begun after the end."""
+    """The state with all results of the prepared cycle, as if its jobs had begun after the end."""
     for job, result, at in ahead.brought:
         if job.name == "plan":
             state = replace(state, wanted_threshold=job.threshold)
@@ -206,7 +206,7 @@ def _taken_over(state: State, ahead: Ahead) -> State:
 
 
 def _in_doubt(before: State, after: State, at: float) -> Message | None:
-    """Why what was worked on ahead does not fit the world after the end; None when it does."""
+    """Why the prepared cycle does not fit the state after the end; None when it does."""
     if after.phase is not Phase.DONE:
         return AheadText.NOT_AS_PLANNED()
     if after.stopped_by:

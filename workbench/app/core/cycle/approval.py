@@ -1,4 +1,4 @@
-"""Approval: who votes for a plan, and when enough people have."""
+"""Approval: votes of people for a plan, and when they are enough."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -83,7 +83,7 @@ def approve(
         now: seconds since the epoch.
         before: the votes of others that count along; the first of all votes decides the end.
         manner: at which share of the planned speed it is sent, and whether step by step.
-        row: what the vote lets out after the plan, one after the other.
+        row: plans that the vote also allows, in order, after the plan.
 
     Raises:
         CommandRefused: nobody is named, a proof does not hold, plan, proof and cell do not
@@ -109,11 +109,11 @@ def approve(
 
 
 def let_out(cell: Cell, plan: Plan, proof: Proof, by: str, now: float) -> Approval:
-    """What lets a plan out that nobody has approved: its poses, and none of its paths.
+    """The release of a plan without approval: of its poses, and none of its paths.
 
     Args:
         cell: as it is now; its robot link sends poses alone.
-        plan: whose poses go out.
+        plan: whose poses are sent.
         proof: of this plan, in this cell.
         by: who has switched approval off (`unapproved`).
         now: seconds since the epoch.
@@ -144,7 +144,7 @@ def _approval(cell: Cell, plan: Plan, proof: Proof, actor: str, now: float) -> A
 def check_approvable(
     cell: Cell, plan: Plan, proof: Proof, actor: str, manner: Manner = AS_PLANNED
 ) -> None:
-    """Look whether a person may give a vote for a plan in this cell, sent in this manner.
+    """Check that a person may vote for a plan in this cell, sent in this manner.
 
     Raises:
         CommandRefused: see `approve`, which asks this, too.
@@ -170,7 +170,7 @@ def check_approvable(
 def explain_unwalked(cell: Cell, proof: Proof | None) -> Message | None:
     """Why a proof says nothing about the cell's controller; None when it does.
 
-    The controller is not in the cell's digest: a session may go on with another one.
+    The controller is not in the cell's digest: a session may continue with another one.
     """
     if proof is None or cell.zone > proof.zone:
         return Refusal.CORNERS_UNPROVEN(zone=f"{cell.zone:g}")

@@ -16,10 +16,10 @@ from workbench.model.scan import Scan
 
 
 def standing_joints(cell: Cell, reported: Mapping[str, float]) -> Mapping[str, float]:
-    """How the robot stands, name -> [rad, m].
+    """The joint positions of the robot, name -> [rad, m].
 
-    It is what the controller reports.  A simulated scanner needs no controller: without a report
-    every arm waits where plans begin.
+    They are those that the controller reports.  A simulated scanner needs no controller: without a
+    report every arm is where plans begin.
     """
     if reported or cell.scanner.source != "simulated":
         return reported
@@ -163,7 +163,7 @@ def plate_problem(
 
 
 def _unknown(cell: Cell, joints: Mapping[str, float]) -> Message | None:
-    """Of which arm nobody knows where it stands; every one may be in the picture."""
+    """An arm at an unknown pose; it may be in the image."""
     for arm in cell.arms:
         if not all(math.isfinite(joints.get(name, math.nan)) for name in arm.joints):
             return Refusal.SCANNER_UNKNOWN(arm=arm.name)

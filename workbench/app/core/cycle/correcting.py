@@ -81,7 +81,7 @@ def with_corrected(state: State, number: int, part: Part, entry: Entry) -> Decis
 
 
 def _changes(known: Part, part: Part) -> Message:
-    """What is other about a part now, for people."""
+    """How a part differs now, for people."""
     changes: list[Message] = []
     if part.scale != known.scale:
         changes.append(EditText.PART_SCALED(part=part.name, scale=f"{part.scale:g}"))

@@ -29,8 +29,8 @@ from workbench.model.scan import Detection, Scan
 class JobEnded(Command):
     """The worker finished job `number`.
 
-    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateObservation`, a
-    `BallScan`, a `Part`, a `Tool`, an `Emptying`, or the error that ended it.
+    `result` is the result of the job, of a type that depends on its kind, or the error that ended
+    it.
     """
 
     right: ClassVar[Right] = Right(

@@ -1,4 +1,4 @@
-"""What a sending brings, what became of the parts, and which are left alone for a while after."""
+"""Results of a sending: outcomes of the picks, and which parts are avoided for a while."""
 
 import math
 from collections.abc import Mapping
@@ -37,13 +37,13 @@ from workbench.model.release import PartReport, PickResult, result_of
 from workbench.model.scan import Detection
 
 AVOID_SCANS = 3
-"""Further scans during which a part is left alone after its pick has failed."""
+"""Number of further scans during which a part is avoided after its pick has failed."""
 
 
 AVOID_MINUTES = 10.0
 
 SAME_PLACE = 0.015
-"""[m] A part found this near to where a pick has failed is taken for the same one."""
+"""[m] A part found this near to the place of a failed pick counts as the same part."""
 
 
 MOST_FAILURES = 3
@@ -133,8 +133,8 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
 
     Args:
         state: while something was sent.
-        ended: what the link says.
-        at: when [s since the epoch].
+        ended: the report of the link.
+        at: time of the end [s since the epoch].
     """
     # After a fault nobody knows: no other part is put where one may lie, and none onto it.
     placed = ended.placed or ()
@@ -171,7 +171,7 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
 
 
 def _finished_message(state: State, placed: int, expected: int) -> Message:
-    """How many parts were placed; or that the scanner is at its view, or its arm at home."""
+    """The number of parts placed; or that the scanner is at its view, or its arm at home."""
     carrier = state.cell.scanner.on_arm
     if carrier is None or state.plan is None or not state.plan.is_view_plan:
         return StateText.CYCLE_FINISHED(count=placed, total=expected)
@@ -181,9 +181,9 @@ def _finished_message(state: State, placed: int, expected: int) -> Message:
 
 
 def _with_placed_in_kit(state: State, ended: SendingEnd) -> State:
-    """The state with the parts of a plan in the kit that came to their places.
+    """The state with the placed parts of a plan in the kit.
 
-    Where nobody says of each part whether it was picked, all came there if as many were placed.
+    Without a report on each part, all count as placed if the number of placed parts agrees.
     """
     if state.plan is None or not state.plan.picks:
         return state
@@ -199,7 +199,7 @@ def _with_placed_in_kit(state: State, ended: SendingEnd) -> State:
 
 
 def _in_kit(state: State, command: ReportPick) -> State:
-    """The state after a word about a part; while it is on its way, that it comes counts later."""
+    """The state after a report on a part; a part in motion counts only when it is placed."""
     sent = sent_for(state)
     if sent is None:
         return state
@@ -213,14 +213,14 @@ def _in_kit(state: State, command: ReportPick) -> State:
 
 
 def _has_failed(state: State, detection: int) -> bool:
-    """Whether somebody has said that the part did not come to its place."""
+    """Whether a report states that the part was not placed."""
     return any(
         outcome.detection == detection and not outcome.is_picked for outcome in state.outcomes
     )
 
 
 def _is_doubted(state: State, detection: int) -> bool:
-    """Whether somebody has reported something else of the part than that it was picked."""
+    """Whether a report states anything other than a success for the part."""
     return any(
         outcome.detection == detection and outcome.became is not PickResult.PICKED
         for outcome in state.outcomes
@@ -228,7 +228,7 @@ def _is_doubted(state: State, detection: int) -> bool:
 
 
 def _with_doubts(state: State) -> State:
-    """The state in which the place of each part is in doubt that was not just picked."""
+    """The state in which the place of each part is in doubt that was not reported as picked."""
     sent = sent_for(state)
     doubted = [
         sent.plans[0].detections[outcome.detection]
@@ -243,7 +243,7 @@ def _with_doubts(state: State) -> State:
 
 
 def _doubt(placed: Detection) -> Detection:
-    """A part that was to be put down, of which nobody knows whether it is there."""
+    """A part that may or may not be at its place."""
     return replace(placed, score=0.0)
 
 
@@ -300,15 +300,15 @@ def outcome_problem(state: State, command: ReportPick) -> Message | None:
 
 
 def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> State:
-    """The state after somebody has said what became of a part.
+    """The state after a report on a part.
 
-    A later word replaces an earlier one for the same part.
+    A later report replaces an earlier one for the same part.
 
     Args:
-        state: whose plan was sent.
-        command: what is said.
-        actor: who says it.
-        at: when [s since the epoch].
+        state: the state, whose plan was sent.
+        command: the report.
+        actor: who reports.
+        at: time of the report [s since the epoch].
     """
     sent = sent_for(state)
     if sent is None:
@@ -374,7 +374,7 @@ def stop_after_failures(state: State) -> State:
 
 
 def avoided_parts(state: State, at: float) -> tuple[tuple[int, Message], ...]:
-    """Indices of the parts found that are left alone at [s since the epoch], and why each."""
+    """Indices of the detections to avoid at a time [s since the epoch], with the reasons."""
     found: list[tuple[int, Message]] = []
     for number, detection in enumerate(state.detections or ()):
         for entry in state.avoided:

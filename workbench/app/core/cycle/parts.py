@@ -1,4 +1,4 @@
-"""Parts: looked for in a scan, or given from outside, and what is found."""
+"""Parts: searched in a scan or given from outside, and the detections."""
 
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar

@@ -1,4 +1,4 @@
-"""What a task of the worker has brought, and what follows by itself."""
+"""Results of the worker's jobs, and the steps that follow automatically."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -113,7 +113,7 @@ def _failure_message(job: Job, why: Message) -> Message:
 
 
 def gone_on(before: State, after: State, entry: Entry) -> Decision:
-    """What follows by itself when the task of `before` has ended, where that was asked for."""
+    """The step that follows automatically when the job of `before` has ended, if requested."""
     job = before.job
     if job is None or job.then is None or after.job is not None:
         return after, ()
@@ -151,7 +151,7 @@ def gone_on(before: State, after: State, entry: Entry) -> Decision:
 
 
 def from_next_bin(state: State, entry: Entry, then: "GoOn") -> Decision:
-    """The cycle with the next bin where nothing is left to take in the chosen one; or its end."""
+    """Continue the cycle with the next bin if the chosen one is empty, or end it."""
     if name := next_bin(state):
         emptied = BinChoiceText.EMPTY(name=state.cell.bin.name)
         return _from_bin(name, state, entry, then, why=emptied)
@@ -161,7 +161,7 @@ def from_next_bin(state: State, entry: Entry, then: "GoOn") -> Decision:
 
 
 def _from_view(name: str, state: State, entry: Entry, then: "GoOn") -> Decision:
-    """The cycle with another view of the bin: its scan where the arm is there, else the path."""
+    """Continue the cycle with another view: scan if the arm is there, else plan the path."""
     why = as_message(state.message)
     after, effects = choose_view(state, name)
     carrier, joints = after.cell.scanner.on_arm, standing_joints(after.cell, entry.joints)
@@ -176,14 +176,14 @@ def _from_view(name: str, state: State, entry: Entry, then: "GoOn") -> Decision:
 
 
 def _stir(state: State, entry: Entry, then: "GoOn") -> Decision:
-    """The cycle with a plan to stir the parts, which nothing can take as they lie."""
+    """Continue the cycle with a plan to stir the parts, as no part can be picked."""
     begun, effects = plan_stir(state, entry, then.plan.seed, then)
     said = all_of((as_message(state.message), as_message(begun.message)))
     return replace(begun, message=said), effects
 
 
 def _without_kit_part(state: State, entry: Entry, then: "GoOn", *, is_ahead: bool) -> Decision:
-    """The cycle where there is nothing for the kit: the next view, stirring, the next bin."""
+    """Continue the cycle without a part for the kit: next view, stirring, or next bin."""
     if not lacks_of(state):
         return _ended(state), ()
     after = with_nothing_seen(state)
@@ -194,9 +194,9 @@ def _without_kit_part(state: State, entry: Entry, then: "GoOn", *, is_ahead: boo
 
 
 def _past_views(state: State, entry: Entry, then: "GoOn", *, is_ahead: bool) -> Decision:
-    """The cycle where no view of the bin shows a part for the kit: stirring, or the next bin.
+    """Continue the cycle when no view shows a part for the kit: stirring, or next bin.
 
-    While a plan is sent (`is_ahead`) its bin stays the chosen one.
+    While a plan is sent (`is_ahead`), its bin stays the chosen bin.
     """
     if may_stir(state):
         return _stir(state, entry, then)
@@ -208,7 +208,7 @@ def _past_views(state: State, entry: Entry, then: "GoOn", *, is_ahead: bool) -> 
 
 
 def _from_bin(name: str, state: State, entry: Entry, then: "GoOn", *, why: Message) -> Decision:
-    """The cycle with that bin from its scan on; it ends where the arm has to go to its view."""
+    """Continue the cycle with a scan of that bin; end it if the arm must first go to the view."""
     after, effects = choose_bin(state, name)
     joints = standing_joints(after.cell, entry.joints)
     if problem := view_problem(after.cell, joints):
@@ -227,7 +227,7 @@ def is_exhausted(state: State) -> bool:
 
 
 def is_nothing_taken(state: State) -> bool:
-    """Whether the last search or planning has brought nothing."""
+    """Whether the last search or planning found nothing to pick."""
     return state.detections == () or (state.verdict is not None and state.plan is None)
 
 

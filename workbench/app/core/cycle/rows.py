@@ -45,7 +45,7 @@ class ShortenRow(Command):
 
 
 def length_problem(state: State, picks: int) -> Message | None:
-    """Why a row cannot be made so long; None when it can."""
+    """Why a row cannot have this length; None when it can."""
     most = 1 + len(state.row) + len(state.left_out)
     if not 1 <= picks <= most:
         return Refusal.ROW_LENGTH(most=most, count=picks)
@@ -56,9 +56,9 @@ def length_problem(state: State, picks: int) -> Message | None:
 
 
 def shorten_row(state: State, picks: int, actor: str) -> State:
-    """The state in which a person wants a row of so many plans: what was approved is void.
+    """Set the number of plans in the row; this cancels the approval.
 
-    Who has seen all of a row has seen a shorter one, too.
+    Whoever has watched the whole row has also watched a shorter one.
     """
     every = (*state.row, *state.left_out)
     is_shorter = picks <= len(state.row)
@@ -87,22 +87,22 @@ def following(state: State) -> Plan | None:
 
 
 def plans_sent(state: State) -> int:
-    """How many plans of the row have gone out, the one on its way among them."""
+    """The number of plans of the row that were sent, including the current one."""
     is_out = state.plan is not None and state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
     return len(state.sent_before) + is_out
 
 
 def with_next_plan(state: State, after: State, ended: SendingEnd, entry: Entry) -> Followed:
-    """The state in which the next plan of the row is on its way, or in which the row has ended.
+    """The state in which the next plan of the row is sent, or in which the row has ended.
 
-    Nothing is asked of a person: the next plan was approved with the first one.  Whatever is in
-    doubt ends the row, and what would have let the rest of it out.
+    No person has to act: the next plan was approved with the first.  Any doubt ends the row and
+    the approval of its remaining plans.
 
     Args:
-        state: while the plan was sent that has ended.
-        after: that, as the end of this one sending leaves it.
-        ended: what the link says of the end.
-        entry: says when, and how the robot stood by its own report.
+        state: the state while the plan was sent.
+        after: the state after the end of this sending.
+        ended: the link's report of the end.
+        entry: states the time and the reported joints.
     """
     if not state.row or state.plan is None or state.proof is None:
         return after, ()

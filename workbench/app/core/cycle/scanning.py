@@ -214,7 +214,7 @@ def scan_of_pile(state: State, parts: int | None = None, *, drops_new: bool = Fa
 
 
 def left_pile(state: State, command: TakeScan) -> SimulatedPile | None:
-    """What is left of the pile that a scan asks for; None where it falls anew."""
+    """The remaining pile that a scan requests; None: a new pile falls."""
     known, fresh = state.pile, _fresh_pile(state, command)
     if known is None or known.name != fresh.name:
         return None
@@ -227,20 +227,18 @@ def _fresh_pile(state: State, command: TakeScan) -> SimulatedPile:
 
 
 def _lifted_since(state: State) -> tuple[pin.SE3, ...]:
-    """Where the parts lay that were taken since the last scan, `T_world_part`.
+    """Poses `T_world_part` of the parts that were taken since the last scan.
 
-    Those of which nobody has said anything are taken to be picked, except after a fault.  What an
-    arm has dropped back after one, or a second part, lies in the bin.
+    Without a report a part counts as picked, except after a fault.  Parts that an arm has dropped
+    back after a fault, and second parts, are in the bin.
     """
     sent = sent_for(state)
-    return (
-        ()
-        if sent is None
-        else tuple(
-            sent.plans[0].detections[taken.number].T_world_part
-            for taken in parts_taken_last(state)
-            if _is_out(state, taken)
-        )
+    if sent is None:
+        return ()
+    return tuple(
+        sent.plans[0].detections[taken.number].T_world_part
+        for taken in parts_taken_last(state)
+        if _is_out(state, taken)
     )
 
 
@@ -277,7 +275,7 @@ def with_scan(state: State, scan: Scan, at: float) -> State:
 
 
 def _after_one_more_scan(state: State, at: float) -> tuple[Avoided, ...]:
-    """What is still avoided after a new scan of the chosen bin, taken at [s since the epoch]."""
+    """The places still avoided after a new scan of the chosen bin at a time [s since the epoch]."""
     now = [
         replace(entry, scans=entry.scans - (entry.bin == state.cell.bin.name))
         for entry in state.avoided

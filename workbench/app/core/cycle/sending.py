@@ -159,12 +159,12 @@ def _largest_sent(state: State) -> tuple[float, float]:
 
 
 def _picking(state: State) -> set[str]:
-    """The arms that open their hands and take a part by the plan that goes out."""
+    """The arms that open their hands and take a part in the current plan."""
     return set() if state.plan is None else {arm.arm for arm in state.plan.picks}
 
 
 def with_receipt(state: State, receipt: Receipt) -> State:
-    """The state after one more message went out."""
+    """The state after one more message was sent."""
     state = replace(state, receipts=(*state.receipts, receipt))
     steps = () if state.plan is None else state.plan.sequence
     if state.plan is not None and 0 < receipt.waits == state.let + 1 <= len(steps):
@@ -180,9 +180,9 @@ def with_receipt(state: State, receipt: Receipt) -> State:
 
 
 def step_reported(state: State) -> int:
-    """The step that the robot has reported last, to run or to wait before it, counted from 1.
+    """The last step that the robot reported, as running or waiting, counted from 1.
 
-    0 where it has reported none, as links do that know no steps.
+    0: no report, as with links that have no steps.
     """
     return max((receipt.step or receipt.waits for receipt in state.receipts), default=0)
 
@@ -207,7 +207,7 @@ def step_problem(state: State, number: int, now: float) -> Message | None:
 
 
 def with_step(state: State, number: int, actor: str, at: float) -> State:
-    """The state after a person has let a step run, at [s since the epoch]."""
+    """The state after a person has allowed a step, at a time [s since the epoch]."""
     if state.plan is None:
         return state
     message = StateText.STEP_LET(step=step_message(state.plan, number), person=actor)

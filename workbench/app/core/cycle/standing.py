@@ -1,4 +1,4 @@
-"""Whether a plan still stands: its threshold, its pallets, and the robot where it starts."""
+"""Whether a plan is still valid: its threshold, its pallets, and the robot at its start."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ from workbench.model.plan import Plan
 from workbench.model.tools.held_body import HeldAmount, with_held
 
 LEAST_MOVED = 0.001
-"""[m] The robot may be this far from where a plan starts even with no margin: it rounds."""
+"""[m] Allowed distance of the robot from the start of a plan without a margin, for rounding."""
 
 
 SAME_THRESHOLD = 0.0005
@@ -25,9 +25,9 @@ SAME_THRESHOLD = 0.0005
 
 
 def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> Message | None:
-    """What has made a plan stale, and by how much; None when it still stands.
+    """Why a plan is no longer valid; None while it is valid.
 
-    Another scan or cell is not looked for: with that the plan would be gone.
+    A new scan or cell is not checked here: it has already removed the plan.
     """
     return (
         other_threshold(state) or other_pallets(state, plan) or moved_away(state.cell, plan, joints)
@@ -35,7 +35,7 @@ def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> Mess
 
 
 def other_pallets(state: State, plan: Plan) -> Message | None:
-    """Why a pallet is not as a plan counts on; None when every part that it knows lies there."""
+    """Why a pallet differs from the plan's; None when all parts of the plan's pallets are there."""
     for box in plan.obstacles:
         T = box.T_world_put
         if T is not None and not any(
@@ -49,7 +49,7 @@ def other_pallets(state: State, plan: Plan) -> Message | None:
 
 
 def other_threshold(state: State) -> Message | None:
-    """Why the threshold wanted is no longer that of the plan; None when it is."""
+    """Why the wanted threshold differs from that of the plan; None when it does not."""
     planned, wanted = state.planned_threshold, state.wanted_threshold
     if planned is None or wanted is None or abs(planned - wanted) < SAME_THRESHOLD:
         return None
@@ -57,17 +57,17 @@ def other_threshold(state: State) -> Message | None:
 
 
 def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message | None:
-    """By how much the robot does not stand where the plan starts; None when it does.
+    """Why the robot is not at the start of the plan; None when it is.
 
-    No point of an arm may be further from there than the policy's margin, which the plan's start
-    keeps to everything: on its way there the robot touches nothing.  Where a plan begins by lifting
-    what a hand may hold it is `near_margin`, and what is held counts.  Joints that are not reported
-    are not compared.  A robot that gets poses alone moves by its own program, from anywhere.
+    No point of an arm may be further from its start than the policy's margin.  The start keeps this
+    margin to everything, so the robot touches nothing on the way there.  For a plan that begins by
+    lifting a held part, `near_margin` counts, and the held part, too.  Joints without a report are
+    not compared.  A robot that gets only poses moves by its own program, from anywhere.
 
     Args:
-        cell: whose arms; those without a part in the plan have to be at home.
-        plan: that would be sent.
-        joints: name -> [rad], as the controller reports.
+        cell: the cell; arms without a part in the plan must be at home.
+        plan: the plan to be sent.
+        joints: reported positions, name -> [rad].
     """
     if cell.controller.motion.sends_poses:
         return None
@@ -86,7 +86,7 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message |
 
 @lru_cache(maxsize=4)
 def _as_it_starts(cell: Cell, plan: Plan) -> Cell:
-    """The cell with what a hand may hold and the distances that hold where a plan starts."""
+    """The cell with the part that a hand may hold, and the margins at the start of a plan."""
     arm_plan = plan.arms[0]
     if arm_plan.held not in set(HeldAmount):
         return cell
@@ -98,10 +98,10 @@ def _as_it_starts(cell: Cell, plan: Plan) -> Cell:
 
 
 class Shift(NamedTuple):
-    """How far any point of an arm may be from where it should stand [m], and how far it may be.
+    """Bound [m] for the distance of an arm's points from their places, and the allowed distance.
 
-    `worst` [rad, m] is the axis that is farthest off, `axis` its number from 1; where a joint is
-    reported as no number, `worst` is that.
+    `worst` [rad, m] is the largest error of an axis, `axis` its number from 1.  If the report of a
+    joint is not a number, `worst` is that value.
     """
 
     shift: float
@@ -111,13 +111,13 @@ class Shift(NamedTuple):
 
 
 def shift_of(cell: Cell, arm: Arm, q: Floats, joints: Mapping[str, float]) -> Shift:
-    """How far an arm stands from `q` (n,) [rad, m]; joints that are not reported do not count.
+    """The distance of an arm from `q` (n,) [rad, m]; joints without a report do not count.
 
     Args:
-        cell: of the arm.
-        arm: that should stand there.
-        q: where, chain order.
-        joints: name -> [rad, m], as the controller reports.
+        cell: the cell of the arm.
+        arm: the arm.
+        q: its expected configuration, chain order.
+        joints: reported positions, name -> [rad, m].
     """
     allowed, levers = max(cell.policy.margin, LEAST_MOVED), _levers(cell, arm)
     shift, worst, worst_axis = 0.0, 0.0, 0
@@ -136,7 +136,7 @@ def shift_of(cell: Cell, arm: Arm, q: Floats, joints: Mapping[str, float]) -> Sh
 
 @lru_cache(maxsize=16)
 def _levers(cell: Cell, arm: Arm) -> tuple[float, ...]:
-    """How far each joint of an arm, in chain order, moves any point at most [m/rad, m/m]."""
+    """Largest motion of any point by each joint of an arm, in chain order [m/rad, m/m]."""
     tools = {other.flange: other.tool.reach for other in cell.arms}
     if (carrier := cell.scanner.on_arm) is not None:
         flange = cell.arm(carrier.arm).flange
@@ -149,7 +149,7 @@ def _levers(cell: Cell, arm: Arm) -> tuple[float, ...]:
 
 
 def start_of(cell: Cell, plan: Plan, arm: str) -> Floats:
-    """The configuration (n,) [rad] in which an arm has to stand when the plan begins."""
+    """The configuration (n,) [rad] of an arm at the start of the plan."""
     for step in plan.sequence:
         for name, leg in step.runs:
             if name == arm:
@@ -158,7 +158,7 @@ def start_of(cell: Cell, plan: Plan, arm: str) -> Floats:
 
 
 def left_on_station(plans: Sequence[Plan]) -> Message | None:
-    """Why plans are no whole row, as a part would stay on a station; None when none does."""
+    """Why plans are not a complete row: a part would stay on a station; None when none does."""
     for number, plan in enumerate(plans):
         after = plans[number + 1] if number + 1 < len(plans) else None
         taken = [] if after is None else [after.detections[arm.detection] for arm in after.picks]
@@ -170,7 +170,7 @@ def left_on_station(plans: Sequence[Plan]) -> Message | None:
 
 
 def lacks_reports(state: State) -> Message | None:
-    """Why nobody could know, between two plans of the row, how it stands; else None."""
+    """Why the robot's pose between two plans of the row would be unknown; else None."""
     motion = state.cell.controller.motion
     if not state.row or motion.reports_progress:
         return None

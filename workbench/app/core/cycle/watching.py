@@ -1,4 +1,4 @@
-"""The preview: before whose eyes the plan was played to its end."""
+"""The preview: who has watched the plan to its end."""
 
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
@@ -40,7 +40,7 @@ class WatchPlan(Command):
 
 
 def with_watched(state: State, actor: str, *, is_reported: bool) -> State:
-    """The state after the plan was played to its end before somebody, or a program said so."""
+    """The state after a person has watched the plan to its end, or a program states so."""
     reported, watched = state.watched_elsewhere, state.watched
     if actor not in watched:
         watched, reported = (*watched, actor), (*reported, actor) if is_reported else reported
@@ -53,16 +53,16 @@ def with_watched(state: State, actor: str, *, is_reported: bool) -> State:
 
 
 def explain_unwatched(state: State, actor: str) -> Message | None:
-    """Why a person has to see the plan before approving it; None when that has happened.
+    """Why a person must watch the plan before approving it; None when that has happened.
 
-    What was played in a browser without a login was played before whoever was there.
+    A plan that was played in a browser without a login counts for every such person.
     """
     seen = any(is_same_person(name, actor) or name == NOBODY for name in state.watched)
     return None if seen else Refusal.NOT_PLAYED()
 
 
 def has_seen(state: State, actor: str) -> bool:
-    """Whether a page has drawn the plan to its end before a person; a program's word is none."""
+    """Whether the page has shown a person the whole plan; a program's claim is not enough."""
     drawn = [name for name in state.watched if name not in state.watched_elsewhere]
     return any(is_same_person(name, actor) or name == NOBODY for name in drawn)
 
@@ -70,7 +70,7 @@ def has_seen(state: State, actor: str) -> bool:
 def other_row(state: State, named: tuple[str, ...]) -> Message | None:
     """Why the plans named are not those that follow the plan; None when they are.
 
-    Who has seen or read one row has said nothing about another one.
+    A person who has watched one row has not watched another one.
     """
     have = tuple(proven_plan.plan.digest for proven_plan in state.row)
     if named == have:

@@ -18,7 +18,7 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.derived.controller_axes import shown_axes, shown_units
 
 NEVER = StatusCodes.BadNotConnected
-"""Nothing that the workbench listens to tells this."""
+"""Status of a value that no device reports to the workbench."""
 
 NOT_NOW = StatusCodes.BadNoCommunication
 """It is reported at times, and not at this moment."""
@@ -140,7 +140,7 @@ def _speed(state: State) -> Reading:
 
 
 def _of_task(task: Path, state: State, live: Live) -> Mapping[Path, Reading]:
-    """The plan that the controller carries out, while it tells its steps."""
+    """The plan that the controller carries out, while it reports its steps."""
     loaded: Path = (*task, "ParameterSet", "TaskProgramLoaded")
     name: Path = (*task, "ParameterSet", "TaskProgramName")
     mode: Path = (*task, "ParameterSet", "ExecutionMode")

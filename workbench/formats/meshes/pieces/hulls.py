@@ -39,15 +39,15 @@ def hull(mesh: Mesh) -> Mesh | None:
 
 
 def limit_corners(piece: Mesh, *, most: int, close: float) -> Mesh:
-    """The piece, or one around it with fewer corners when it has very many.
+    """The piece, or a body around it with fewer corners.
 
-    Planes of its faces are taken one by one, each time the one beyond which the body cut out so
-    far sticks out most.
+    The body is cut by the piece's face planes, one by one; the next plane is the one beyond which
+    the body reaches furthest.
 
     Args:
-        piece: convex.
-        most: corners that it may have, about.
-        close: [m] a body around it that sticks out no further has corners enough.
+        piece: a convex piece.
+        most: approximate limit of corners.
+        close: the cutting ends when the body reaches no further beyond the piece [m].
     """
     if len(piece.points) <= most:
         return piece
@@ -106,7 +106,7 @@ def points_for(area: float, tolerance: float) -> int:
 
 
 def points_on(triangles: Floats, count: int) -> tuple[Floats, Ints]:
-    """Points on triangles (n, 3, 3) [m]: so many, and the middle of each (m, 3); on which (m,)."""
+    """`count` points on triangles (n, 3, 3) [m], then the centres (m, 3); their triangles (m,)."""
     a, b, c = np.moveaxis(triangles, 1, 0)
     share = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1))
     number = np.arange(count)

@@ -1,6 +1,6 @@
 """The point of a set that lies farthest from triangles: compiled, over a tree of boxes.
 
-Most points are dropped as soon as some triangle is nearer than the farthest point found so far.
+Most points are dropped as soon as some triangle is nearer to them than the best distance.
 """
 
 from dataclasses import dataclass

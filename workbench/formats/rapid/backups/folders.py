@@ -22,7 +22,7 @@ FOLDERS = frozenset({"rapid", "home", "syspar", "backinfo"})
 LISTED = re.compile(r"<Module>\s*([^<]*?)\s*</Module>", re.IGNORECASE)
 BACKED_UP = re.compile(r">>(TASK\d+):\s*\((\w*),.*\)\s*\n((?:.*@.*\n)*)")
 MOST_NAMED = 4
-"""Names that modules of a task have in common and that are told one by one."""
+"""Largest number of names shared by modules of a task that are reported one by one."""
 
 
 @dataclass
@@ -213,7 +213,7 @@ def _list_loaded(mine: Configuration, task: str, files: Iterable[Path]) -> list[
 
 
 def _together(sources: Sequence[Source], found: FolderContents) -> list[list[Source]]:
-    """Modules that can be in one task; one with many names of another is told, and set apart."""
+    """Modules that can share a task; a module that repeats many names is reported and set apart."""
     tasks: list[list[Source]] = [[]]
     for source in sources:
         mine = find_declared(source)

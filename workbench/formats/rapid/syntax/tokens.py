@@ -78,8 +78,8 @@ def tokens_of(text: str, name: str, problems: list[Problem]) -> list[Token]:
 
     Args:
         text: of the file.
-        name: of the file, for `problems`, to which is added what is no RAPID.
-        problems: what is wrong so far.
+        name: of the file, for `problems`.
+        problems: gets what is not RAPID.
     """
     text = HEAD.sub(lambda found: "\n" * found[0].count("\n"), text)
     found: list[Token] = []

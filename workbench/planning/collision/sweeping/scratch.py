@@ -214,10 +214,10 @@ def place_body(
     R: Floats,
     c: Floats,
 ) -> None:
-    """Write where body g on joint j is; a ball is never turned.
+    """Write the pose of body g on joint j; a ball is never rotated.
 
-    Poses of bodies `R` (b, 3, 3) and `c` (b, 3) [m] are those on their joints, `R_g` and `c_g`,
-    times those of the joints, `R_j` (j, 3, 3) and `p_j` (j, 3) [m].
+    The result is `R` (b, 3, 3), `c` (b, 3) [m].  It is the joint's pose, `R_j` (j, 3, 3) and `p_j`
+    (j, 3) [m], times the body's pose on the joint, `R_g` and `c_g`.
     """
     for i in range(3):
         c[g, i] = p_j[j, i]

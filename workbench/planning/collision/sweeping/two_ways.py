@@ -14,17 +14,17 @@ from workbench.planning.compiled import njit_in_place
 
 @njit(cache=True)
 def ways_met(first: Floats, second: Floats, most: int, edges: Edges) -> tuple[int, Ints, int]:
-    """Look at the states of two chains of curves, each of the one with each of the other.
+    """Check two chains of curves for collisions, each curve of the one with each of the other.
 
     Args:
         first: control points (k, 3, n) [rad] of the curves of one arm.
-        second: those (l, 3, m) of the other.
-        most: after so many looks that have not reported it gives up.
-        edges: of the joints of the first arm, then of the second (n + m,), and what may touch.
+        second: those (l, 3, m) [rad] of the other.
+        most: largest number of states to check without a result.
+        edges: joints of the first arm, then of the second (n + m,), and the pairs to check.
 
     Returns:
-        A pair that touches at `edges.scratch.q`, `IS_CLEAR` when there surely is none, or
-        `TOO_LONG` where it gave up; the curves (2,) there; how many states were checked.
+        A pair that touches at `edges.scratch.q`, `IS_CLEAR` if there is none, or `TOO_LONG` after
+        `most` states; the curves (2,) of that state; the number of checked states.
     """
     ways, n = (first, second), first.shape[2]
     scratch, count, curves = edges.scratch, len(edges.groups.order), np.zeros(2, np.int64)

@@ -1,7 +1,7 @@
-"""Whether the controller will be told the loads that the arms carry, by the cell as it is now.
+"""Whether the loads that the controller will get are those of the arms in the present cell.
 
-`planning` takes them from `model.load`; here they are computed anew, by Pinocchio's inertias and by
-integrals over surfaces.
+`planning` takes them from `model.load`; the proof computes them independently, by Pinocchio's
+inertias and by integrals over surfaces.
 """
 
 from collections.abc import Iterator, Sequence

@@ -19,8 +19,8 @@ from workbench.proof.engine.robot import Tree
 from workbench.proof.engine.shapes import gap_of, hull, least_gap
 
 SAME_DISTANCE, NARROW_SET = 0.0005, 0.0004
-"""[m, rad] How much nearer or farther counts as the same at a turn; and the sum of all joints'
-turns within which a hand that is up to 1.2 m from an axis moves by less than 0.5 mm."""
+"""[m, rad] Difference of distances at two rolls that counts as equal; and the sum of joint motions
+within which a hand, up to 1.2 m from an axis, moves by less than 0.5 mm."""
 
 
 def roll_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
@@ -78,7 +78,7 @@ def _held_violations(
 
 
 def _fingers(arm: Arm, opening: float) -> list[tuple[Solid, pin.SE3]]:
-    """The fingers of an arm so far open [m], seen from its flange."""
+    """The fingers of an arm at an opening [m], in the frame of its flange."""
     return [
         (
             finger.solid,

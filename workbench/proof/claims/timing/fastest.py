@@ -1,14 +1,14 @@
 """Compiled: how fast a curve can be followed, and whether its waypoints can be passed on time.
 
 A curve q(s) is given by its slope q' at marks, between which it changes linearly; s grows by 1 from
-waypoint to waypoint.  With x the square of the speed ds/dt at a mark, and x linear in s between two
-marks, the acceleration of a joint, q' x' / 2 + q'' x, is linear in s: what holds at both ends of a
-piece holds in all of it.  Its speed is q' sqrt(x).  So a piece allows the pairs (x before, x after)
-of a convex polygon, which has (0, 0) in it.
+waypoint to waypoint.  Let x be the square of the speed ds/dt at a mark, linear in s between marks.
+Then the acceleration of a joint, q' x' / 2 + q'' x, is linear in s.  So limits that hold at both
+ends of a piece hold in all of it.  The joint's speed is q' sqrt(x).  So a piece allows the pairs
+(x before, x after) of a convex polygon, which contains (0, 0).
 
-Of two motions the one that is faster at each mark is one, too: there is a fastest of all, and no
-motion passes from one waypoint to the next in less time.  Between given speeds at two waypoints
-everything is possible between the fastest and the slowest motion, as mixtures of both.
+The faster of two motions at each mark is a motion, too.  So there is a fastest motion, and none
+passes from one waypoint to the next in less time.  Between given speeds at two waypoints, mixtures
+of the fastest and the slowest motion give every duration between theirs.
 """
 
 from typing import cast

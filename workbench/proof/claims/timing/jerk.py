@@ -1,11 +1,11 @@
-"""Whether a leg can be as a plan says where jerk is limited: what is found is checked.
+"""Whether a leg with limited jerk is possible with the times of a plan.
 
-A motion of S-curves is looked for (`s_curves`), and believed in nothing (`_keeps`, `_passes`).  In
-a piece of constant jerk the acceleration of a joint is linear in time and its speed quadratic: both
-are largest at its ends or where the one is zero, so that limits are asked along the whole curve.
-In a corner velocity changes along one line, by the same slope before the middle as after it,
-steepest in the middle: so the curve stays between the corner and the parabola that touches both
-ways where the change begins and ends.
+`s_curves` searches a motion of S-curves; `_keeps` and `_passes` check it independently.  In a piece
+of constant jerk the acceleration of a joint is linear in time, its speed quadratic.  Both are
+largest at the ends or where the acceleration is zero.  So the limits hold along the whole curve.
+In a corner the velocity changes along one line, symmetric about the middle and steepest there.  So
+the curve stays between the corner and the parabola that touches both lines where the change begins
+and ends.
 """
 
 from typing import NamedTuple

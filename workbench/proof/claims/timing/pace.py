@@ -1,11 +1,10 @@
-"""Speeds and accelerations along the whole curve: whether a motion can be as a plan says.
+"""Speeds and accelerations along the whole curve: whether the times of a plan are possible.
 
-Where a controller stops at waypoints, each way is one from rest to rest.  Where it rounds corners,
-or is streamed, the curve is the polyline with corners rounded by parabolas, as wide as the zone
-allows.  A leg holds where there is a motion along it, from rest to rest, that passes every waypoint
-when the plan says, and no joint is anywhere faster, or accelerates more, than the cell allows, by
-more than `LIMIT_TOLERANCE`.
-Where the cell limits jerk nothing follows a parabola, and the motion is one of `timing.jerk`.
+If a controller stops at waypoints, each piece runs from rest to rest.  If it rounds corners, or is
+streamed, the curve is the polyline with corners rounded by parabolas, as wide as the zone allows.
+A leg holds if a motion along it, from rest to rest, passes every waypoint at the time of the plan.
+No joint may exceed the cell's speed or acceleration by more than `LIMIT_TOLERANCE`.
+If the cell limits jerk, no corner is a parabola, and the motion is one of `timing.jerk`.
 """
 
 from collections.abc import Iterator

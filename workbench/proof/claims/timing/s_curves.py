@@ -63,9 +63,9 @@ def _factor(moves: Floats, limits: Floats) -> float:  # pragma: no cover (compil
 
 @njit(cache=True)
 def change(far: float, allowed: Floats) -> float:  # pragma: no cover (compiled)
-    """What a share needs to change so far [s], from and to where it stays as it is.
+    """Shortest duration [s] of a change of a share by `far`, starting and ending at rest.
 
-    It may by `allowed` (2,) [1/s, 1/s2].
+    `allowed` (2,) [1/s, 1/s2] are its largest rate and second derivative.
     """
     slope, bend = allowed[0], allowed[1]
     if far > slope * slope / bend:
