@@ -1,11 +1,13 @@
 """Which hands may hold a part that they should not, by what was sent last and what came of it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.picks import Outcome
 from workbench.app.core.state import Phase, State, is_remembered, sent_for
 from workbench.model.derived.row_parts import count_taken, parts_taken
+from workbench.model.messages.message import FoundPart, Message
+from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan
 from workbench.model.release import PickResult
 
@@ -25,7 +27,7 @@ def may_hold(state: State) -> bool:
     if state.hands_open and state.phase not in (Phase.SENDING, Phase.FAULT):
         return True
     has_ended = state.phase in (Phase.IDLE, Phase.DONE)
-    results = (outcome for _, outcome in _parts_sent_for(state) if outcome is not None)
+    results = (outcome for _, _, outcome in _parts_sent_for(state) if outcome is not None)
     is_odd = any(outcome.became is not PickResult.PICKED for outcome in results)
     return is_drop_next(state) or (has_ended and is_odd)
 
@@ -34,7 +36,7 @@ def is_drop_next(state: State) -> bool:
     """Whether a drop back is what comes next: after a fault, and where a second part came."""
     if state.phase not in (Phase.IDLE, Phase.DONE):
         return False
-    outcomes = [outcome for _, outcome in _parts_sent_for(state)]
+    outcomes = [outcome for _, _, outcome in _parts_sent_for(state)]
     # A fault that was acknowledged leaves what was sent behind, and no word of its parts.
     is_open = state.phase is Phase.IDLE and any(outcome is None for outcome in outcomes)
     return is_open or any(
@@ -42,8 +44,8 @@ def is_drop_next(state: State) -> bool:
     )
 
 
-def _parts_sent_for(state: State) -> Iterator[tuple[str, Outcome | None]]:
-    """The arm of each part that was sent for last, and what became of it, as far as stated.
+def _parts_sent_for(state: State) -> Iterator[tuple[str, int, Outcome | None]]:
+    """The arm of each part that was sent for last, its index, and its outcome, as far as stated.
 
     Arms that have dropped back what they held since are left out.
     """
@@ -55,13 +57,32 @@ def _parts_sent_for(state: State) -> Iterator[tuple[str, Outcome | None]]:
     for plan in sent.plans:
         for number, arm in zip(parts_taken(sent.plans[0], plan), plan.picks, strict=True):
             if arm.arm not in state.hands_emptied:
-                yield arm.arm, outcomes.get(number)
+                yield arm.arm, number, outcomes.get(number)
 
 
 def arms_that_may_hold(state: State) -> frozenset[str]:
     """The arms that have taken a part of which nobody has stated that it left the hand.
 
     A gripper that has felt a part says nothing of its place.
+    """
+    return frozenset(parts_in_hands(state))
+
+
+def hands_message(state: State) -> Message | None:
+    """Which hands may hold which parts, for people; None where no hand may hold any."""
+    hands = [
+        StateText.HAND_PARTS(arm=arm, parts=[FoundPart(number) for number in numbers])
+        if numbers
+        else StateText.HAND(arm=arm)
+        for arm, numbers in sorted(parts_in_hands(state).items())
+    ]
+    return StateText.MAY_HOLD(hands=hands) if hands else None
+
+
+def parts_in_hands(state: State) -> Mapping[str, tuple[int, ...]]:
+    """By the arms that may hold a part: the parts' indices in what was sent for last.
+
+    No index where a scan has come since.
     """
     plans = last_sent(state)
     has_ended = state.phase is Phase.DONE and not is_remembered(state)
@@ -75,5 +96,8 @@ def arms_that_may_hold(state: State) -> frozenset[str]:
         lost = (PickResult.FAILED, PickResult.DROPPED)
         return outcome.became not in lost and outcome.by == ROBOT_LINK
 
-    held = (arm for arm, outcome in _parts_sent_for(state) if may_still_hold(outcome))
-    return frozenset((*state.hands_open, *held))
+    held: dict[str, tuple[int, ...]] = {arm: () for arm in state.hands_open}
+    for arm, number, outcome in _parts_sent_for(state):
+        if may_still_hold(outcome):
+            held[arm] = (*held.get(arm, ()), number)
+    return held

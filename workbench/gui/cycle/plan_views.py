@@ -61,7 +61,7 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
     warning = line(rests, kind="warn", tip=rests) if rests else ""
     left = left_message(state)
     why_left = "" if left is None else line(sentence(words.render(left)), kind="hint")
-    return _card(state, plan, proof, words) + line(text, kind=kind, tip=text) + why_left + warning
+    return _card(state, plan, proof, words) + why_left + line(text, kind=kind, tip=text) + warning
 
 
 def _no_plan_line(state: State, words: Words) -> str:
@@ -85,7 +85,7 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
     clearance = words.render(bounds_message(proof))
     cells = (
         (f"{plan.cycle_seconds:.1f} s", "Cycle", cycle, ""),
-        (str(len(plan.picks)) if plan.picks else "", "Parts", "", ""),
+        (_count_taken(plan), "Parts", "", ""),
         (
             mm(floor_distance(proof.clearance)),
             "Clearance, free",
@@ -105,6 +105,14 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
         if value
     )
     return f'<div class="wb-card wb-span3">{shown}</div>'
+
+
+def _count_taken(plan: Plan) -> str:
+    """How many parts a plan takes, of how many found; empty where it takes none."""
+    taken, found = len(plan.picks), len(plan.detections)
+    if not taken:
+        return ""
+    return str(taken) if taken == found else f"{taken} / {found}"
 
 
 def _tightness(clearance: float, margin: float) -> str:
