@@ -107,7 +107,7 @@ class Robot:
 
     def controller(self, usual: Controller) -> Controller:
         """Where a cell finds it."""
-        return replace(usual, port=self.port, state_port=self.state_port)
+        return replace(usual, port=self.port, state_port=self.state_port, is_simulated=True)
 
     @property
     def configurations(self) -> list[dict]:
