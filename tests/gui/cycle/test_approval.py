@@ -211,3 +211,8 @@ def test_a_plan_says_why_most_of_the_other_parts_are_left(states, cell):
     assert str(left_message(alone)).endswith("left arm)")
     able = replace(alone, candidates=tuple(candidate(k, Reason.OK) for k in range(5)))
     assert str(left_message(able)) == "4 parts left for a later plan"
+    some = replace(alone, candidates=(candidate(2, Reason.OK), *refused[1:], last))
+    assert str(left_message(some)) == (
+        "2 parts left for a later plan; 2 parts left; most frequent reason: unreachable (1, left "
+        "arm)"
+    )

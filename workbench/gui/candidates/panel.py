@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-import viser
-
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.gui.drawing.flight import CameraFlight
 from workbench.gui.scene.fix_inputs import FixInputs
@@ -72,7 +70,7 @@ class CandidatesPanel:
         self._foot = gui.add_html("")
         self._back = gui.add_button("Previous", color="gray")
         self._forth = gui.add_button("Next", color="gray")
-        self._clear = gui.add_button("Hide in scene", icon=viser.Icon.EYE_OFF, color="gray")
+        self._clear = gui.add_button("Hide in scene", color="gray")
         # Below all that is pressed: nothing moves when a row is chosen.
         self._pose_line = gui.add_html("")
         self._fix_line = gui.add_html("", visible=False)
@@ -159,7 +157,8 @@ class CandidatesPanel:
         is_bad = pose is not None and bool(pose.meets)
         has_any = bool(new.state.candidates)
         hint = line(CHOOSE, kind="hint") if has_any and new.look.candidate is None else ""
-        self._pose_line.content = line(text, kind="bad" if is_bad else "result") if text else hint
+        kind = "bad" if is_bad else "result"
+        self._pose_line.content = line(sentence(text), kind=kind) if text else hint
 
     def _draw(self, candidates: tuple[Candidate, ...], are_others: bool) -> None:
         if are_others:

@@ -148,12 +148,15 @@ def left_message(state: State) -> Message | None:
     arms = {arm.name for arm in state.cell.arms} - busy or busy
     tried = [candidate for candidate in state.candidates if candidate.arm in arms]
     reasons = Counter(_reason([each for each in tried if each.detection == part]) for part in left)
+    can_wait = reasons.pop(Reason.OK, 0)
+    later = CyclePageText.LEFT_FOR_LATER(count=can_wait) if can_wait else None
+    if not reasons:
+        return later
     reason, number = reasons.most_common(1)[0]
-    if reason is Reason.OK:
-        return CyclePageText.LEFT_FOR_LATER(count=len(left))
-    return CyclePageText.LEFT(
-        count=len(left), arms=sorted(arms), reason=reason.message, number=number
+    refused = CyclePageText.LEFT(
+        count=reasons.total(), arms=sorted(arms), reason=reason.message, number=number
     )
+    return all_of((later, refused))
 
 
 def _reason(candidates: list[Candidate]) -> Reason:
