@@ -41,9 +41,10 @@ class Triad:
 
 
 def triad_html(turn: Floats) -> str:
-    """The drawing for a camera with this turn, a quaternion (4,) w, x, y, z; what is near is last.
+    """The axes as SVG for a camera; what is near is drawn last.
 
-    The frame of a camera looks along z, with y down.
+    Args:
+        turn: of the camera's frame, which looks along z with y down: a quaternion (4,), no unit.
     """
     w, x, y, z = turn.tolist()
     seen = pin.Quaternion(w, x, y, z).normalized().matrix().T
@@ -60,7 +61,7 @@ def triad_html(turn: Floats) -> str:
 
 
 def _axis(name: str, colour: str, along: Floats) -> str:
-    """A line from the middle, and the letter behind its end; `along` (2,) is seen of the axis."""
+    """A line from the middle, and the letter behind its end; `along` (2,), no unit, is the axis."""
     (x, y), (u, v) = along * LENGTH, along * LETTER
     return (
         f'<line x2="{x:.1f}" y2="{y:.1f}" stroke="{colour}" stroke-width="2.5" '
