@@ -117,7 +117,8 @@ def cell_bench(
     ) as robot:
         assert robot.stdin is not None and robot.stdout is not None
         ports = json.loads(robot.stdout.readline())
-        controller = replace(cell.controller, port=ports["port"], state_port=ports["state_port"])
+        at = {"port": ports["port"], "state_port": ports["state_port"]}
+        controller = replace(cell.controller, **at, is_simulated=True)
         bench = Bench(
             replace(cell, controller=controller),
             Journal(folder / f"session-{time.time_ns()}"),

@@ -71,6 +71,7 @@ let isBefore = false;  // a pick that ended before the tour began is not the one
 let seen = new Set();  // what was looked at
 let isOpen = false;    // the part stood alone, with its grasps
 let shown = null;      // the element that was pointed at last
+let isHeld = false;    // a button of the card is pressed and not let go of yet
 
 function beginning(text) {
   const before = word(text).split("{")[0].replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
@@ -199,7 +200,8 @@ function draw() {
   go.disabled = step !== ASKED && (!target || target.disabled === true);
   if (target !== shown) target?.scrollIntoView({ block: "nearest" });
   shown = target;
-  place(target, step.isAside);
+  // A button that moves away from under the pointer gets no click.
+  if (!isHeld) place(target, step.isAside);
 }
 
 function place(target, isAside) {
@@ -274,6 +276,8 @@ go.addEventListener("click", () => {
 });
 leave.addEventListener("click", end);
 card.addEventListener("keydown", (event) => event.key === "Escape" && end());
+card.addEventListener("pointerdown", () => { isHeld = true; });
+for (const name of ["pointerup", "pointercancel", "blur"]) addEventListener(name, () => { isHeld = false; });
 document.addEventListener("keydown", typed);
 const listen = () => scene.contentDocument?.addEventListener("keydown", typed);
 scene.addEventListener("load", listen);

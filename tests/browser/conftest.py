@@ -107,7 +107,7 @@ class Robot:
 
     def controller(self, usual: Controller) -> Controller:
         """Where a cell finds it."""
-        return replace(usual, port=self.port, state_port=self.state_port)
+        return replace(usual, port=self.port, state_port=self.state_port, is_simulated=True)
 
     @property
     def configurations(self) -> list[dict]:
@@ -203,6 +203,8 @@ def forked(monkeypatch: pytest.MonkeyPatch) -> None:
 def bench(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Bench]:
     """With a robot for the tests that ask for one; the others need none."""
     cell = read_cell("yumi")
+    # A real robot's first plans would be offered at a quarter of their speed.
+    cell = replace(cell, controller=replace(cell.controller, is_simulated=True))
     if "robot" in request.fixturenames:
         robot = request.getfixturevalue("robot")
         cell = replace(cell, controller=robot.controller(cell.controller))

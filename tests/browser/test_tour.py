@@ -202,3 +202,22 @@ def test_it_goes_to_what_stands_there_now_and_not_to_what_is_greyed_out(new_cont
         }"""
     )
     expect(scan).to_be_focused()
+
+
+def test_a_button_of_the_card_that_is_pressed_stays_under_the_pointer(new_context):
+    shell = Shell(new_context().new_page(), SCENE)
+    page, card = shell.page, shell.page.locator("#card")
+    shell.hear({**IDLE, "tour": []})
+    page.get_by_role("button", name="Begin").click()
+    everything = ["scan", "find", "plan", "preview", "approve", "send"]
+    shell.hear({**IDLE, "tour": everything})
+    expect(page.locator("#title")).to_have_text("That was a pick")
+    close = page.get_by_role("button", name="Close").bounding_box()
+    page.mouse.move(close["x"] + 5, close["y"] + 5)
+    page.mouse.down()
+    # The legend gets wider, and the card with it narrower and higher.
+    mode = page.frame_locator("#scene").locator(".wb-mode b")
+    mode.evaluate("one => { one.textContent = 'Live '.repeat(60) }")
+    page.wait_for_timeout(600)
+    page.mouse.up()
+    expect(card).to_be_hidden()

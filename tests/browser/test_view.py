@@ -36,7 +36,8 @@ def controller(cell):
 
 @pytest.fixture
 def bench(cell, controller, tmp_path):
-    there = replace(cell.controller, port=controller.port, state_port=controller.state_port)
+    at = {"port": controller.port, "state_port": controller.state_port}
+    there = replace(cell.controller, **at, is_simulated=True)
     effects = functools.partial(EffectRunner, patience=PATIENT)
     bench = Bench(replace(cell, controller=there), Journal(tmp_path / "session"), effects=effects)
     yield bench

@@ -61,3 +61,11 @@ def test_a_part_that_was_clicked_on_in_the_scene_filters_the_table(panel, visito
     visitor.own.change(pointed=None)
     panel.show(view, view)
     assert panel._shown == everything
+
+
+def test_below_the_table_stands_from_the_start_where_the_reason_comes(panel, visitor, states):
+    assert "Choose a row: why it fails" in panel._pose_line.content
+    assert all(
+        panel._table.order < below.order
+        for below in (panel._foot, panel._pose_line, panel._fix_line)
+    )

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from workbench.app.core.state import EditedCell
-from workbench.gui.cycle.approval import ApprovalDialog
+from workbench.gui.cycle.approval import ApprovalDialog, first_share
 from workbench.gui.cycle.approval_views import facts_html
 from workbench.gui.cycle.plan_views import left_message, plan_line, unsaved_message
 from workbench.model.candidate import Reason, Stage, Verdict
@@ -92,7 +92,7 @@ def test_a_name_that_is_typed_at_once_is_on_the_button(states):
     dialog = ApprovalDialog(visitor)
     dialog.open()
     word = hand.buttons["Type your name to approve"]
-    assert word.label == "Approve as Anna"
+    assert word.label == "Approve as Anna, at 25% of the planned speed"
     assert not word.disabled
 
 
@@ -101,12 +101,35 @@ def test_full_speed_has_a_line_of_its_own_that_follows_the_choice(states):
     visitor.person = SimpleNamespace(name="Anna")
     dialog = ApprovalDialog(visitor)
     dialog.open()
-    speed = dialog._speed_line
+    speed, field = dialog._speed_line, dialog._fields[0]
+    field.value = "100%"
+    field.updated(None)
     assert "Full speed" in speed.content and "wb-warn" in speed.content
-    field = dialog._fields[0]
     field.value = "25%"
     field.updated(None)
     assert "Full speed" not in speed.content and "wb-warn" not in speed.content
+
+
+def test_a_real_robot_begins_slowly_and_goes_on_as_was_approved_last(states):
+    visitor = visitor_of(states, QuickHand("Anna"), is_known=True)
+    visitor.person = SimpleNamespace(name="Anna")
+    visitor.ask = lambda command, name: bool(command())
+    dialog = ApprovalDialog(visitor)
+    dialog.open()
+    assert dialog._fields[0].value == "25%"
+    dialog._fields[0].value = "50%"
+    dialog._approve(dialog._named, "")
+    dialog.open()
+    assert dialog._fields[0].value == "50%"
+
+
+def test_a_simulated_robot_and_links_without_a_share_begin_as_planned(cell):
+    controller = cell.controller
+    assert first_share(cell) == 0.25
+    simulated = replace(controller, is_simulated=True)
+    assert first_share(replace(cell, controller=simulated)) == 1.0
+    fixed = replace(controller, motion=replace(controller.motion, takes_share=False))
+    assert first_share(replace(cell, controller=fixed)) == 1.0
 
 
 def deviations(state, joints):
@@ -188,3 +211,8 @@ def test_a_plan_says_why_most_of_the_other_parts_are_left(states, cell):
     assert str(left_message(alone)).endswith("left arm)")
     able = replace(alone, candidates=tuple(candidate(k, Reason.OK) for k in range(5)))
     assert str(left_message(able)) == "4 parts left for a later plan"
+    some = replace(alone, candidates=(candidate(2, Reason.OK), *refused[1:], last))
+    assert str(left_message(some)) == (
+        "2 parts left for a later plan; 2 parts left; most frequent reason: unreachable (1, left "
+        "arm)"
+    )

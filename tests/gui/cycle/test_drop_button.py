@@ -19,6 +19,7 @@ from workbench.gui.cycle.plan_views import plan_line
 from workbench.gui.shared.look import View
 from workbench.gui.shared.playback import in_hands, moments, timeline
 from workbench.model.cell import Cell
+from workbench.model.errors import InputError
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.release import PickResult
 from workbench.model.tools.held_body import HeldAmount, held_radius
@@ -57,11 +58,16 @@ def test_it_is_there_after_a_fault_and_plans_for_what_a_person_states(bench, vis
     sent = SentFor((sent_plan(result),))
     state = replace(bench.state, phase=Phase.IDLE, unscanned=sent)
     assert button.show(shown(visitor, state, at_home(cell)))
-    assert button.button.visible and not button.button.disabled
-    assert button.command().held == "unknown"
+    assert button.button.visible and button.button.disabled
+    with pytest.raises(InputError, match="state first what the hand holds"):
+        button.command()
     button._held.value = "two parts"
-    assert button.command().held == "two"
+    assert not button.button.disabled and button.command().held == "two"
     assert not button.show(shown(visitor, state))
+    assert button.button.disabled
+    # The next time it is stated anew.
+    button.show(shown(visitor, bench.state))
+    assert button.show(shown(visitor, state, at_home(cell)))
     assert button.button.disabled
 
 

@@ -68,7 +68,7 @@ def test_a_thing_that_was_chosen_is_selected_before_candidate_and_parts(states, 
 
 def test_what_is_clicked_twice_comes_into_the_middle_as_it_was_seen(visitor, states, view_of, cell):
     position, centre = first_look(cell)
-    camera = SimpleNamespace(position=position, look_at=centre)
+    camera = SimpleNamespace(position=position, look_at=centre, update_timestamp=0.0)
     visitor.client.camera, visitor.client.atomic = camera, nullcontext
     looks = Looks(visitor)
     looks.show(view_of(states.idle))

@@ -1,10 +1,13 @@
 """The table of the parts found: what each row tells."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 
+from workbench.gui.parts.fates import part_fates
 from workbench.gui.parts.views import parts_html
+from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 
@@ -20,3 +23,48 @@ def test_parts_say_how_sure_they_are_where_it_is_known():
     for word in ("Sure", "93%", "0.20 mm 0.4°", "by hand", "&lt;b&gt;bolt"):
         assert word in text
     assert EVIL not in html and text.count("°") == 1
+
+
+def test_below_each_part_stands_what_the_plans_do_with_it(states):
+    found = states.planned.detections
+    rows = [f"row-{number}" for number in range(len(found))]
+    html = parts_html(found, 0, rows, fates=part_fates(states.planned))
+    assert html.count('class="wb-fate"') == len(found) == 2
+    for pick in states.planned.plan.picks:
+        assert f"the {pick.arm} arm takes it" in html
+    assert "wb-fate" not in parts_html(found, 0, rows)
+
+
+def test_a_part_that_is_left_says_why_and_what_came_farthest(states):
+    state = states.planned
+    left, near = (
+        state.detections[0],
+        Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, distance=-0.002),
+    )
+    early = Verdict(Reason.OUT_OF_REACH, Stage.GRASP)
+    candidate = state.candidates[0]
+    tried = tuple(
+        replace(candidate, detection=2, verdict=verdict) for verdict in (early, near, early)
+    )
+    more = replace(
+        state,
+        detections=(*state.detections, left, left),
+        plan=replace(state.plan, detections=(*state.plan.detections, left, left)),
+        candidates=(*state.candidates, *tried),
+    )
+    fates = [str(fate) for fate in part_fates(more)]
+    assert fates[2] == (
+        f"left: {near.message}; {candidate.grasp_label}, {candidate.arm} arm, got farthest of 3"
+    )
+    assert fates[3] == "left: no grasp was tried"
+    works = replace(tried[0], verdict=Verdict(Reason.OK, Stage.ROUTE))
+    able = replace(more, candidates=(*more.candidates, works))
+    assert str(part_fates(able)[2]) == "left for a later plan: 1 grasp works"
+
+
+def test_before_a_plan_nothing_is_stated_of_parts_and_without_one_why_each_is_left(states):
+    assert part_fates(states.localized) == (None, None)
+    verdict = Verdict(Reason.NO_PATH, Stage.ROUTE)
+    refused = tuple(replace(each, verdict=verdict) for each in states.planned.candidates)
+    state = replace(states.planned, plan=None, proof=None, verdict=verdict, candidates=refused)
+    assert all("left: " in str(fate) and "got farthest" in str(fate) for fate in part_fates(state))

@@ -1,5 +1,6 @@
 """Pins of the parts found: apart from each other, upright, and the chosen one larger."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 from itertools import pairwise
 
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from workbench.gui.drawing.own_scene import OwnScene
 from workbench.gui.scene.marks import PIN_SPACING, PIN_STEP, draw_chosen, pin_heights
 from workbench.gui.scene.picture import ScenePicture
 from workbench.gui.shared.own import Own
@@ -66,3 +68,14 @@ def test_the_chosen_part_alone_has_a_larger_number(server, states, view_of):
     assert scene.get_handle_by_name(labels[1]).text == "2"
     draw_chosen(scene, second, replace(second, own=Own()))
     assert scene.get_handle_by_name(labels[1]) is None
+
+
+def test_the_larger_number_goes_with_the_controls_that_chose_it(visitor, states, view_of):
+    visitor.client.atomic = nullcontext
+    scene, name = visitor.client.scene, "/parts/part-1/pin/label"
+    own = Own(part=states.localized.detections[0])
+    OwnScene(visitor).show(None, replace(view_of(states.localized), own=own))
+    assert scene.get_handle_by_name(name) is not None
+    # A fix that is applied to the cell has the controls made anew.
+    visitor.end(is_gone=False)
+    assert scene.get_handle_by_name(name) is None

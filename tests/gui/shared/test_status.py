@@ -8,6 +8,7 @@ from unicodedata import east_asian_width
 import pytest
 
 from workbench.app.core.cycle.results import with_result
+from workbench.app.core.picks import Outcome
 from workbench.app.core.state import Job, Phase, State
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.shared import views
@@ -17,6 +18,7 @@ from workbench.model.messages.cells import InventoryText
 from workbench.model.messages.message import GROUPED, UNITS, Message
 from workbench.model.messages.states import ControlText, RowStop, StateText, TaskText
 from workbench.model.messages.work import CancelText
+from workbench.model.release import PickResult
 from workbench.words.words import words_of
 
 NOW = 1_760_000_000.0
@@ -87,3 +89,34 @@ def test_what_has_failed_is_told_in_the_colour_of_a_fault(states, view_of, resul
         states.idle,
     ):
         assert "wb-status-plain" in views.status_html(view_of(state)), state.message
+
+
+def test_a_fault_names_the_hands_that_may_hold_a_part_and_which(states, view_of):
+    text = views.status_html(view_of(states.fault))
+    picks = sorted(states.fault.plan.picks, key=lambda pick: pick.arm)
+    hands = ", ".join(f"{pick.arm} hand (part-{pick.detection + 1})" for pick in picks)
+    assert len(picks) == 2 and f"May hold a part: {hands}." in text
+    reported = replace(
+        states.fault,
+        outcomes=(
+            Outcome(picks[0].detection, is_picked=False, by="ada", result=PickResult.DROPPED),
+        ),
+    )
+    text = views.status_html(view_of(reported))
+    assert f"May hold a part: {picks[1].arm} hand (part-{picks[1].detection + 1})." in text
+
+
+def test_an_older_stop_leaves_a_hand_without_a_number(states, view_of):
+    state = replace(states.idle, phase=Phase.FAULT, fault="no answer", hands_open=("left",))
+    assert "May hold a part: left hand." in views.status_html(view_of(state))
+
+
+def test_parts_are_counted_while_the_robot_puts_them_down(states, view_of):
+    plan, counts = states.sending.plan, []
+    for step in range(1, len(plan.sequence) + 1):
+        receipt = replace(states.sending.receipts[-1], step=step)
+        state = replace(states.sending, receipts=(receipt,))
+        counts.append(int(re.search(r"(\d) of 2 placed", views.status_html(view_of(state)))[1]))
+    assert counts == sorted(counts) and (counts[0], counts[-1]) == (0, 2)
+    assert "0 of 2 placed" in views.status_html(view_of(states.sending)), "it reports no step"
+    assert "wb-status" in views.status_html(view_of(states.done))

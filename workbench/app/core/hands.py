@@ -1,14 +1,33 @@
 """Which hands may hold a part that they should not, by the last sending and its outcome."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.picks import Outcome
 from workbench.app.core.state import Phase, State, is_remembered, sent_for
 from workbench.model.derived.row_parts import count_taken, parts_taken
+from workbench.model.messages.message import FoundPart, Message
+from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan
 from workbench.model.release import PickResult
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """A part of the last sending.
+
+    Attributes:
+        number: index of the part in the first plan.
+        arm: name of the arm that picks it.
+        is_over: whether its plan has ended without a fault.
+        outcome: outcome of the pick, if stated.
+    """
+
+    number: int
+    arm: str
+    is_over: bool
+    outcome: Outcome | None
 
 
 def last_sent(state: State) -> tuple[Plan, ...]:
@@ -43,11 +62,33 @@ def is_drop_next(state: State) -> bool:
 
 def arms_that_may_hold(state: State) -> frozenset[str]:
     """The arms that may still hold a part, since nobody has stated that it left the hand."""
-    return frozenset((*state.hands_open, *_still_holding(state)))
+    return frozenset(parts_in_hands(state))
 
 
-def _still_holding(state: State) -> Iterator[str]:
-    """The arms of the last sending that may still hold a part.
+def hands_message(state: State) -> Message | None:
+    """Which hands may hold which parts, for people; None where no hand may hold any."""
+    hands = [
+        StateText.HAND_PARTS(arm=arm, parts=[FoundPart(number) for number in numbers])
+        if numbers
+        else StateText.HAND(arm=arm)
+        for arm, numbers in sorted(parts_in_hands(state).items())
+    ]
+    return StateText.MAY_HOLD(hands=hands) if hands else None
+
+
+def parts_in_hands(state: State) -> Mapping[str, tuple[int, ...]]:
+    """By the name of each arm that may hold a part: indices of its parts in the last sending.
+
+    Without indices where a scan has come since.
+    """
+    held: dict[str, tuple[int, ...]] = {arm: () for arm in state.hands_open}
+    for taken in _still_holding(state):
+        held[taken.arm] = (*held.get(taken.arm, ()), taken.number)
+    return held
+
+
+def _still_holding(state: State) -> Iterator[Taken]:
+    """The parts of the last sending that may still be in a hand.
 
     A gripper's report of a part does not show that the part was placed, nor does a person's report
     during the motion.  A plan that has ended without a fault has let go of its parts.
@@ -65,24 +106,7 @@ def _still_holding(state: State) -> Iterator[str]:
             or (became is None and not are_placed)
             or (became is PickResult.PICKED and is_felt and not taken.is_over)
         ):
-            yield taken.arm
-
-
-@dataclass(frozen=True, slots=True)
-class Taken:
-    """A part of the last sending.
-
-    Attributes:
-        number: index of the part in the first plan.
-        arm: name of the arm that picks it.
-        is_over: whether its plan has ended without a fault.
-        outcome: outcome of the pick, if stated.
-    """
-
-    number: int
-    arm: str
-    is_over: bool
-    outcome: Outcome | None
+            yield taken
 
 
 def parts_taken_last(state: State) -> Iterator[Taken]:

@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-import viser
-
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.gui.drawing.flight import CameraFlight
 from workbench.gui.scene.fix_inputs import FixInputs
@@ -34,6 +32,9 @@ from workbench.model.candidate import Candidate, Reason
 from workbench.model.messages.message import as_message
 from workbench.model.scan import Detection
 
+CHOOSE = "Choose a row: why it fails, and the nearest fix, are stated here."
+"""Below the table while no row is chosen."""
+
 
 class CandidatesPanel:
     """Counts by verdict as filters, the table, and the candidate shown in the scene.
@@ -58,9 +59,6 @@ class CandidatesPanel:
         gui = visitor.gui
         self._by_part = gui.add_html("")
         self._funnel = gui.add_html("")
-        # Above the table, which is longer than the page.
-        self._fix_line = gui.add_html("", visible=False)
-        self._fix = FixInputs(visitor)
         self._words = gui.add_text(
             "Filter",
             "",
@@ -68,6 +66,15 @@ class CandidatesPanel:
         )
         self._table = gui.add_html("")
         self._mark = gui.add_html(chosen_html(None))
+        gui.add_html('<div class="wb-buttons wb-three"></div>')
+        self._foot = gui.add_html("")
+        self._back = gui.add_button("Previous", color="gray")
+        self._forth = gui.add_button("Next", color="gray")
+        self._clear = gui.add_button("Hide in scene", color="gray")
+        # Below all that is pressed: nothing moves when a row is chosen.
+        self._pose_line = gui.add_html("")
+        self._fix_line = gui.add_html("", visible=False)
+        self._fix = FixInputs(visitor)
         self._pose = gui.add_slider(
             "Pose",
             min=0,
@@ -77,13 +84,7 @@ class CandidatesPanel:
             visible=False,
             hint="Through the poses of the chosen candidate; the elbow turns, the tool stays.",
         )
-        self._pose_line = gui.add_html("")
         self._sure_line = gui.add_html("", visible=False)
-        gui.add_html('<div class="wb-buttons wb-three"></div>')
-        self._foot = gui.add_html("")
-        self._back = gui.add_button("Previous", color="gray")
-        self._forth = gui.add_button("Next", color="gray")
-        self._clear = gui.add_button("Hide in scene", icon=viser.Icon.EYE_OFF, color="gray")
         self._filters = {
             kind: visitor.unseen(partial(self._filter, kind)) for kind in (None, *VERDICT_KINDS)
         }
@@ -115,7 +116,7 @@ class CandidatesPanel:
         missing = "no candidate is chosen" if chosen is None else ""
         self._visitor.allow(self._clear, lacks or missing)
         self._pose.disabled = bool(lacks)
-        if old is None or old.pose is not new.pose:
+        if are_others or old is None or old.pose is not new.pose:
             self._draw_pose(old, new)
         if old is None or old.fix is not new.fix:
             self._fix_line.content = line(
@@ -154,7 +155,10 @@ class CandidatesPanel:
                 PageText.LINE_OF(label=label, number=number, total=count, note=note)
             )
         is_bad = pose is not None and bool(pose.meets)
-        self._pose_line.content = line(text, kind="bad" if is_bad else "result") if text else ""
+        has_any = bool(new.state.candidates)
+        hint = line(CHOOSE, kind="hint") if has_any and new.look.candidate is None else ""
+        kind = "bad" if is_bad else "result"
+        self._pose_line.content = line(sentence(text), kind=kind) if text else hint
 
     def _draw(self, candidates: tuple[Candidate, ...], are_others: bool) -> None:
         if are_others:

@@ -16,11 +16,15 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.approval import ApprovalText
+from workbench.model.cell import Cell
 from workbench.model.release import AS_PLANNED, Manner, manner_words
 from workbench.words.words import Words
 
 SPEED_SHARES = (1.0, 0.5, 0.25, 0.1)
 """Of the planned speed, that are offered."""
+
+FIRST_SHARE = 0.25
+"""Of the planned speed, that a person changes for another: how a real robot runs a first plan."""
 
 VOTE_ROW_MARK = '<div class="wb-buttons wb-vote"></div>'
 """A mark that lays the vote beside the way back, see the style sheet: all is seen at 720 lines."""
@@ -43,6 +47,7 @@ class ApprovalDialog:
         self._close: Callable[[], None] | None = None
         self._named: tuple[str, tuple[str, ...]] = ("", ())
         self._chosen: Callable[[], Manner] = lambda: AS_PLANNED
+        self._approved_share: float | None = None
         self._speed_line: viser.GuiHtmlHandle | None = None
         self._fields: tuple[viser.GuiDropdownHandle[str] | viser.GuiCheckboxHandle, ...] = ()
 
@@ -71,10 +76,14 @@ class ApprovalDialog:
                     self._add_word(state, named)
 
     def _add_manner(self, state: State) -> Manner:
-        """Speed and steps as the controller can do them; first as others voted for this plan."""
+        """Speed and steps as the controller can do them; first as others voted for this plan.
+
+        Without votes the speed is the last that was approved here.
+        """
         gui, motion = self._visitor.gui, state.cell.controller.motion
         votes = standing_votes(state, time.time())
-        manner = votes[-1].manner if votes else AS_PLANNED
+        share = self._approved_share or first_share(state.cell)
+        manner = votes[-1].manner if votes else (share, AS_PLANNED[1])
         shares = SPEED_SHARES if motion.takes_share else SPEED_SHARES[:1]
         shares = (*shares, manner[0]) if manner[0] not in shares else shares
         speed = gui.add_dropdown(
@@ -158,7 +167,18 @@ class ApprovalDialog:
     def _approve(self, named: tuple[str, tuple[str, ...]], name: str) -> None:
         (plan, row), manner = named, self._chosen()
         if self._visitor.ask(lambda: Approve(plan, *manner, row), name):
+            self._approved_share = manner[0]
             self.close()
+
+
+def first_share(cell: Cell) -> float:
+    """The share of the planned speed that is offered before anybody has chosen another one.
+
+    The controls of a browser are made anew for a changed cell: then plans begin slowly again.
+    """
+    controller = cell.controller
+    is_slowed = controller.motion.takes_share and not controller.is_simulated
+    return FIRST_SHARE if is_slowed else AS_PLANNED[0]
 
 
 def row_of(state: State) -> tuple[str, ...]:

@@ -15,11 +15,17 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import view_name, views_of
+from workbench.model.errors import InputError
 from workbench.model.robot import HOME
 from workbench.model.tools.held_body import HeldAmount
 from workbench.model.tools.slots import stands_in_slot
 
 SAYS = "Plans the path of the arm with the scanner between home and view; then a person approves."
+
+CHOOSE_AMOUNT = "choose first"
+"""What the list shows first: nobody plans with an amount that no person has stated."""
+
+NO_AMOUNT = "state first what the hand holds: look at it"
 
 AMOUNTS: Mapping[str, HeldAmount] = {
     "one part": HeldAmount.ONE,
@@ -68,8 +74,8 @@ class DropButton:
         self._visitor = visitor
         self._held: Any = visitor.gui.add_dropdown(
             "In the hand",
-            tuple(AMOUNTS),
-            initial_value="unknown",
+            (CHOOSE_AMOUNT, *AMOUNTS),
+            initial_value=CHOOSE_AMOUNT,
             visible=False,
             hint="One part as it was gripped, in any orientation; two parts; or unknown: the plan "
             "keeps more room.",
@@ -88,23 +94,46 @@ class DropButton:
             visible=False,
             hint="States that you have looked and that no hand holds a part.",
         )
+        self._view: View | None = None
         visitor.on_press(self.button, self.command)
         visitor.on_press(self._empty, ConfirmHandsEmpty)
 
+        @self._held.on_update
+        def _(_: Any) -> None:
+            if self._view is not None:
+                self._allow(self._view)
+
     def command(self) -> PlanDropBack:
-        """What a press asks for."""
-        return PlanDropBack(str(AMOUNTS.get(str(self._held.value), HeldAmount.UNKNOWN)))
+        """What a press asks for.
+
+        Raises:
+            InputError: no person has chosen an amount.
+        """
+        held = AMOUNTS.get(str(self._held.value))
+        if held is None:
+            raise InputError(NO_AMOUNT)
+        return PlanDropBack(str(held))
 
     def show(self, new: View) -> bool:
         """Bring it up to date; whether it is the next step."""
-        state, visitor = new.state, self._visitor
+        self._view, state = new, new.state
         self.button.visible = self._held.visible = self._empty.visible = may_hold(state)
         if not self.button.visible:
+            # Another hand, another time: that is stated anew.
+            if self._held.value != CHOOSE_AMOUNT:
+                self._held.value = CHOOSE_AMOUNT
             return False
-        visitor.admit(self._empty, state, ConfirmHandsEmpty)
-        problem = visitor.refusal(state, self.command(), new.at, new.live.joints)
-        visitor.allow(self.button, visitor.words.render(problem))
-        return problem is None and is_drop_next(state)
+        self._visitor.admit(self._empty, state, ConfirmHandsEmpty)
+        return self._allow(new) and is_drop_next(state)
+
+    def _allow(self, view: View) -> bool:
+        """Let it be pressed, or have it say why not; whether nothing but the amount is missing."""
+        visitor, held = self._visitor, AMOUNTS.get(str(self._held.value))
+        asked = PlanDropBack() if held is None else PlanDropBack(str(held))
+        problem = visitor.refusal(view.state, asked, view.at, view.live.joints)
+        missing = NO_AMOUNT if held is None else ""
+        visitor.allow(self.button, visitor.words.render(problem) or missing)
+        return problem is None
 
 
 class ToolButton:

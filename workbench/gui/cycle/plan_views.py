@@ -61,7 +61,7 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
     warning = line(rests, kind="warn", tip=rests) if rests else ""
     left = left_message(state)
     why_left = "" if left is None else line(sentence(words.render(left)), kind="hint")
-    return _card(state, plan, proof, words) + line(text, kind=kind, tip=text) + why_left + warning
+    return _card(state, plan, proof, words) + why_left + line(text, kind=kind, tip=text) + warning
 
 
 def _no_plan_line(state: State, words: Words) -> str:
@@ -85,7 +85,7 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
     clearance = words.render(bounds_message(proof))
     cells = (
         (f"{plan.cycle_seconds:.1f} s", "Cycle", cycle, ""),
-        (str(len(plan.picks)) if plan.picks else "", "Parts", "", ""),
+        (_count_taken(plan), "Parts", "", ""),
         (
             mm(floor_distance(proof.clearance)),
             "Clearance, free",
@@ -105,6 +105,14 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
         if value
     )
     return f'<div class="wb-card wb-span3">{shown}</div>'
+
+
+def _count_taken(plan: Plan) -> str:
+    """How many parts a plan takes, of how many found; empty where it takes none."""
+    taken, found = len(plan.picks), len(plan.detections)
+    if not taken:
+        return ""
+    return str(taken) if taken == found else f"{taken} / {found}"
 
 
 def _tightness(clearance: float, margin: float) -> str:
@@ -140,12 +148,15 @@ def left_message(state: State) -> Message | None:
     arms = {arm.name for arm in state.cell.arms} - busy or busy
     tried = [candidate for candidate in state.candidates if candidate.arm in arms]
     reasons = Counter(_reason([each for each in tried if each.detection == part]) for part in left)
+    can_wait = reasons.pop(Reason.OK, 0)
+    later = CyclePageText.LEFT_FOR_LATER(count=can_wait) if can_wait else None
+    if not reasons:
+        return later
     reason, number = reasons.most_common(1)[0]
-    if reason is Reason.OK:
-        return CyclePageText.LEFT_FOR_LATER(count=len(left))
-    return CyclePageText.LEFT(
-        count=len(left), arms=sorted(arms), reason=reason.message, number=number
+    refused = CyclePageText.LEFT(
+        count=reasons.total(), arms=sorted(arms), reason=reason.message, number=number
     )
+    return all_of((later, refused))
 
 
 def _reason(candidates: list[Candidate]) -> Reason:

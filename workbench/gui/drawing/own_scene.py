@@ -7,7 +7,7 @@ import viser
 
 from workbench.gui.scene.contacts import draw_meets
 from workbench.gui.scene.drag_overlay import DrawnCarried, DrawnVerdicts
-from workbench.gui.scene.marks import draw_chosen, draw_measured, draw_visited
+from workbench.gui.scene.marks import draw_chosen, draw_measured, draw_visited, remove_chosen
 from workbench.gui.scene.robot import PLANNED, ROBOT_CHECKED, finger_name, moved_by, place
 from workbench.gui.shared.calibrating import draw_overlay
 from workbench.gui.shared.look import View
@@ -33,6 +33,7 @@ class OwnScene:
         self._scene = visitor.client.scene
         self._root: viser.FrameHandle | None = None
         self._frames: dict[str, viser.FrameHandle] = {}
+        self._labelled: View | None = None
         self._verdicts = DrawnVerdicts(self._scene, visitor.client.camera)
         self._carried = DrawnCarried(self._scene)
         visitor.on_end(self._clear, in_scene=True)
@@ -52,6 +53,7 @@ class OwnScene:
             are_other_parts = is_first or old.state.detections is not new.state.detections
             if are_other_parts or is_first or old.own.part is not new.own.part:
                 draw_chosen(self._scene, old, new)
+                self._labelled = new
             if is_first or old.own.carried is not new.own.carried:
                 self._carried.draw(new.own.carried)
             if is_first or old.visited is not new.visited:
@@ -100,6 +102,7 @@ class OwnScene:
         self._give_back()
         self._verdicts.draw(None)
         self._carried.draw(None)
+        remove_chosen(self._scene, self._labelled)
         for name in ("/observation", "/jog_meets", "/measured", "/nearest", "/nearest_points"):
             self._scene.remove_by_name(name)
 

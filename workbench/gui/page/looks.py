@@ -15,6 +15,7 @@ import numpy as np
 from viser._messages import HotkeyKey
 
 from workbench.app.core.state import State
+from workbench.gui.page.triad import Triad
 from workbench.gui.scene.measure import part_at, pointed_at
 from workbench.gui.scene.stage import STAGE
 from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, frame_camera
@@ -153,6 +154,7 @@ class Looks:
             tip = visitor.words.render(LegendText.LOOK_KEY(direction=plain(says), key=key))
             shown += f'<span title="{escape(tip)}" {clickable(buttons[name])}>{name}</span>'
         visitor.gui.add_html(f'<div class="wb-looks">{shown}</div>')
+        self._triad = Triad(visitor)
         scene = visitor.client.scene
 
         @scene.on_click()
@@ -166,6 +168,7 @@ class Looks:
     def show(self, view: View) -> None:
         """This is what is seen now."""
         self._view = view
+        self._triad.show()
 
     def _take_click(self, origin: Floats, direction: Floats, at: float) -> None:
         """A person has clicked along a ray, of which each is (3,) [m] in the world, at [s]."""

@@ -18,6 +18,7 @@ from workbench.formats.files.whole_files import sent_name
 from workbench.gui.dragging.pose_inputs import PoseInputs
 from workbench.gui.drawing.flight import CameraFlight
 from workbench.gui.help.groups import group
+from workbench.gui.parts.fates import part_fates
 from workbench.gui.parts.keeping import KeepInputs
 from workbench.gui.parts.views import (
     avoided_html,
@@ -226,9 +227,11 @@ class PartsPanel:
         if visitor.own.now.part is not chosen:
             visitor.own.change(part=chosen)
         if found:
-            self._table.content = parts_html(
-                found, _place(found, chosen), self._rows, self._visitor.words
-            )
+            fates = part_fates(visitor.bench.state)
+            # Parts that a click in the scene chooses may be of a state that is newer.
+            fates = fates if len(fates) == len(found) else ()
+            place, rows = _place(found, chosen), self._rows
+            self._table.content = parts_html(found, place, rows, visitor.words, fates)
         else:
             hint = "The parts found appear here; one can be vetoed, corrected, or added."
             self._table.content = line(hint, kind="hint")

@@ -9,13 +9,17 @@ from workbench.gui.shared.colours import badge, part_colour
 from workbench.gui.shared.tables import MOST_PARTS, clickable, mark_attribute
 from workbench.gui.shared.views import clock, line, mm, table_html
 from workbench.gui.texts.parts import PartsText
-from workbench.model.messages.message import as_message
+from workbench.model.messages.message import Message, as_message
 from workbench.model.scan import Detection, PosesFolder, RejectedHypothesis, Remark
 from workbench.words.words import IN_ENGLISH, Words
 
 
 def parts_html(
-    found: Sequence[Detection], chosen: int | None, rows: Sequence[str], words: Words = IN_ENGLISH
+    found: Sequence[Detection],
+    chosen: int | None,
+    rows: Sequence[str],
+    words: Words = IN_ENGLISH,
+    fates: Sequence[Message | None] = (),
 ) -> str:
     """A table with a row for each part.
 
@@ -24,6 +28,7 @@ def parts_html(
         chosen: which row is marked, None: none is.
         rows: ids of the unseen buttons, by row.
         words: of who reads it.
+        fates: what the plans do with each part, in a line below its row; None: no line.
     """
     heads = (
         ("", "", ""),
@@ -41,7 +46,10 @@ def parts_html(
     )
     body = "".join(
         _row(number, detection, number == chosen, rows[number], words)
-        for number, detection in enumerate(found[:MOST_PARTS])
+        + _fate_row(fate, rows[number], words, is_chosen=number == chosen)
+        for number, (detection, fate) in enumerate(
+            zip(found[:MOST_PARTS], fates or [None] * len(found), strict=False)
+        )
     )
     return (
         f'<div class="wb-rows"><table class="wb-table wb-parts"><thead><tr>{head}</tr></thead>'
@@ -129,6 +137,18 @@ def _row(number: int, detection: Detection, is_chosen: bool, button: str, words:
         f'<td translate="no" title="{name}">{name}</td>{numbers}'
         f'<td class="wb-number">{_deviations(detection)}</td>'
         f"<td>{escape(_roll(detection))}</td></tr>"
+    )
+
+
+def _fate_row(fate: Message | None, button: str, words: Words, *, is_chosen: bool) -> str:
+    """What becomes of a part, below its row; a click chooses the part, as one on its row does."""
+    if fate is None:
+        return ""
+    text = escape(words.render(fate))
+    press = f"document.getElementById('{escape(button)}').click()"
+    return (
+        f'<tr class="wb-fate"{mark_attribute(is_chosen)} onclick="{press}"><td></td>'
+        f'<td colspan="8" title="{text}"><div>{text}</div></td></tr>'
     )
 
 

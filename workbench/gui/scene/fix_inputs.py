@@ -31,6 +31,7 @@ class FixInputs:
             hint="Plan again after it; Undo the fix takes it back.",
         )
         self._applied = visitor.gui.add_html("", visible=False)
+        self._wide_undo = visitor.gui.add_html('<div class="wb-wide"></div>', visible=False)
         self._undo = visitor.gui.add_button(
             "Undo the fix", icon=viser.Icon.ARROW_BACK_UP, color="gray", visible=False
         )
@@ -51,7 +52,7 @@ class FixInputs:
         self._scope.content = line(words.render(scope))
         self._scope.visible = scope is not None
         self._undo.visible = bool(state.before) and new.look.fixed == state.cell.digest
-        self._applied.visible = self._undo.visible
+        self._applied.visible = self._wide_undo.visible = self._undo.visible
         change = sentence(words.render(state.before[0].change)) if state.before else ""
         self._applied.content = line(change)
         self._visitor.admit(self._apply, state, EditPart)

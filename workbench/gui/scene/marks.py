@@ -94,12 +94,18 @@ def label_name(number: int) -> str:
 
 def draw_chosen(scene: viser.SceneApi, old: View | None, new: View) -> None:
     """In the scene of one browser: the label of the part found that was chosen there."""
-    was, now = _chosen(old), _chosen(new)
-    if was is not None:
-        scene.remove_by_name(label_name(was))
+    remove_chosen(scene, old)
+    now = _chosen(new)
     if now is not None:
         height = pins_of(new.state.cell, new.state.detections or ())[now]
         label_pin(scene, now, height, is_chosen=True)
+
+
+def remove_chosen(scene: viser.SceneApi, view: View | None) -> None:
+    """Remove that label, as it was drawn for a view; None: for none."""
+    was = _chosen(view)
+    if was is not None:
+        scene.remove_by_name(label_name(was))
 
 
 def _chosen(view: View | None) -> int | None:

@@ -276,9 +276,10 @@ def chosen_html(place: int | None) -> str:
     A table that is written anew jumps back to its top; this leaves it alone.
     """
     if place is None:
-        return '<style class="wb-style"></style>'
+        return '<style class="wb-style wb-row-mark"></style>'
     row = f".wb-table tbody tr:nth-child({place + 1})"
-    return f'<style class="wb-style wb-row-chosen">{row}{{background:var(--wb-chosen)}}</style>'
+    rule = f"{row}{{background:var(--wb-chosen)}}"
+    return f'<style class="wb-style wb-row-mark wb-row-chosen">{rule}</style>'
 
 
 def _arrow(order: CandidateOrder, column: Column) -> str:

@@ -16,6 +16,8 @@ from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.results import is_failure
 from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import placed_by_now
+from workbench.app.core.hands import hands_message
 from workbench.app.core.rights import what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
@@ -171,7 +173,8 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
         case Phase.FAULT:
             is_simulated = state.cell.controller.is_simulated
             then = AFTER_SIMULATED_FAULT if is_simulated else AFTER_FAULT
-            return _box("fault", words.render(state.fault), title="Fault:", then=then)
+            fault, held = words.render(state.fault), words.render(hands_message(state))
+            return _box("fault", fault, title="Fault:", then=then, held=held)
         case Phase.SENDING:
             return _box("busy", message_text(state.message, words), parts_placed(state, words))
         case Phase.DONE:
@@ -201,10 +204,12 @@ def changes_html(state: State, words: Words = IN_ENGLISH) -> str:
     return f'<div class="wb-status wb-changes"><div>{head}<ul>{listed}</ul></div></div>'
 
 
-def _box(kind: str, text: str, right: str = "", *, title: str = "", then: str = "") -> str:
+def _box(
+    kind: str, text: str, right: str = "", *, title: str = "", then: str = "", held: str = ""
+) -> str:
     """A state: `title` in bold and the text behind it; what is too long goes on below, smaller.
 
-    `then` is the next step, below.
+    `held`, what hands may hold, and `then`, the next step, stand below.
     """
     first, rest = split_line(f"{title} {text}".strip() if text[:1] != ";" else title + text)
     rest = f"<small>{escape(rest)}</small>" if rest else ""
@@ -212,7 +217,7 @@ def _box(kind: str, text: str, right: str = "", *, title: str = "", then: str = 
     if title and first.startswith(title):
         shown = f"<b>{escape(title)}</b>{escape(first[len(title) :])}"
     tip = f' title="{escape(text)}"' if rest else ""
-    then = f"<small><b>{escape(then)}</b></small>" if then else ""
+    then = "".join(f"<small><b>{escape(below)}</b></small>" for below in (held, then) if below)
     return (
         f'<div class="wb-status wb-status-{kind}"{tip}><span>{shown}{rest}{then}</span>'
         f'<span class="wb-right">{escape(right)}</span></div>'
@@ -233,11 +238,13 @@ def split_line(text: str) -> tuple[str, str]:
 
 
 def parts_placed(state: State, words: Words = IN_ENGLISH) -> str:
-    """How many parts the controller says are placed, of how many."""
+    """How many parts are placed, by what the controller reports, of how many."""
     expected = sum(len(plan.picks) for plan in state.plans)
     if not expected:
         return ""
-    return words.render(StatusText.PLACED(count=state.parts_placed, total=expected))
+    return words.render(
+        StatusText.PLACED(count=min(placed_by_now(state), expected), total=expected)
+    )
 
 
 def line(text: str, *, kind: str = "result", span: int = 3, tip: str = "") -> str:

@@ -14,6 +14,11 @@ class PartsText(Text, subject="page-parts"):
     REJECTED = "{count} rejected {count:hypothesis|hypotheses}"
     HYPOTHESIS = "{score:2} {part}: {why}"
     STORED = "stored as {path}"
+    TAKEN = "the {arm} arm takes it"
+    TAKEN_BY_BOTH = "{arms:and} take it, one after the other"
+    LEFT_UNTRIED = "left: no grasp was tried"
+    LEFT_FOR_LATER = "left for a later plan: {count} {count:grasp|grasps} {count:works|work}"
+    LEFT = "left: {verdict}; {grasp}, {arm} arm, got farthest of {count}"
 
 
 class UploadText(Text, subject="page-upload"):

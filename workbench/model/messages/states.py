@@ -105,6 +105,9 @@ class StateText(Text, subject="state"):
     FAULT_HANDS = (
         "fault acknowledged by {person}; empty the hands and confirm it, or drop back; then scan"
     )
+    MAY_HOLD = "May hold a part: {hands}."
+    HAND = "{arm} hand"
+    HAND_PARTS = "{arm} hand ({parts:or})"
     PICKED = "{person} reports: {part} was picked"
     PICK_FAILED = "{person} reports: {part} failed"
     PART_DROPPED = "{person} reports: {part} was dropped; it may lie anywhere, so look and scan"

@@ -187,6 +187,24 @@ def step_reported(state: State) -> int:
     return max((receipt.step or receipt.waits for receipt in state.receipts), default=0)
 
 
+def placed_by_now(state: State) -> int:
+    """How many parts are placed, by the ends of plans and by the steps of the plan on its way.
+
+    The hand is open once a step comes after the last one with the part in it.  Only the end of the
+    plan says whether a part was in the hand at all.
+    """
+    step, plan = step_reported(state), state.plan
+    if state.phase is not Phase.SENDING or plan is None or not step:
+        return state.parts_placed
+    last = {
+        name: number
+        for number, each in enumerate(plan.sequence, 1)
+        for name, leg in each.runs
+        if plan.arm(name).leg(leg).holding
+    }
+    return state.parts_placed + sum(last.get(pick.arm, step) < step for pick in plan.picks)
+
+
 def step_message(plan: Plan, number: int) -> Message:
     """A step of a plan, counted from 1, for people."""
     legs = plan.sequence[number - 1].words
