@@ -13,6 +13,7 @@ from workbench.model.errors import InputError
 from workbench.plugins.extras import LIBRARIES, from_extra
 
 ROOT = Path(__file__).resolve().parents[2]
+PIP = f"{sys.executable} -m pip install"
 LACKING = ROOT / "tests" / "without_extras"
 
 
@@ -59,15 +60,15 @@ def test_the_page_is_served(world):
     [
         (
             ("serve", "--port", 0, "--opcua", 4840),
-            "--opcua needs the library asyncua: pip install 'workbench[opcua]'",
+            f"--opcua needs the library asyncua: {PIP} 'workbench[opcua]'",
         ),
         (
             ("serve", "--port", 0, "--modbus", 5020),
-            "--modbus needs the library pymodbus: pip install 'workbench[modbus]'",
+            f"--modbus needs the library pymodbus: {PIP} 'workbench[modbus]'",
         ),
         (
             ("opcua", "list"),
-            "this needs the library asyncua: pip install 'workbench[opcua]'",
+            f"this needs the library asyncua: {PIP} 'workbench[opcua]'",
         ),
         (("evidence", "folder"), "this needs workbench.extras.evidence, which is not installed"),
         (
@@ -97,9 +98,9 @@ def test_an_extra_that_is_there_gives_its_function():
 @pytest.mark.parametrize(
     "missing, says",
     [
-        ("asyncua.ua", "the library asyncua: pip install 'workbench[opcua]'"),
-        ("aiofiles", "the library aiofiles, which is not installed"),
-        ("workbench.extras", "the library asyncua: pip install 'workbench[opcua]'"),
+        ("asyncua.ua", f"the library asyncua: {PIP} 'workbench[opcua]'"),
+        ("cryptography", f"the library cryptography: {PIP} 'workbench[opcua]'"),
+        ("workbench.extras", f"the library asyncua: {PIP} 'workbench[opcua]'"),
     ],
 )
 def test_what_is_missing_is_named_and_not_what_is_there(monkeypatch, missing, says):
@@ -110,6 +111,15 @@ def test_what_is_missing_is_named_and_not_what_is_there(monkeypatch, missing, sa
     with pytest.raises(InputError) as error:
         from_extra("opcua.serving:serve_opcua", "--opcua needs")
     assert str(error.value) == f"--opcua needs {says}"
+
+
+def test_a_library_that_no_extra_brings_is_named_alone(monkeypatch):
+    def fails(name):
+        raise ModuleNotFoundError(name, name="open3d")
+
+    monkeypatch.setattr("workbench.plugins.extras.importlib.import_module", fails)
+    with pytest.raises(InputError, match="needs the library open3d, which is not"):
+        from_extra("reconstruction.commands:reconstruct")
 
 
 def test_whatever_an_extra_needs_lacks_in_these_tests():

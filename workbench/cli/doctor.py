@@ -14,6 +14,7 @@ from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table
 from workbench.formats.files.json_keys import json_text
 from workbench.formats.files.whole_files import write_whole
+from workbench.plugins.extras import install_command
 
 EXTRAS = {
     "opcua": "workbench serve --opcua, workbench opcua",
@@ -53,17 +54,17 @@ def doctor(typed: Doctor) -> int:
             }
         )
     else:
-        rows = [(name, text, "") for name, text in about.items()]
-        rows.append(("needed", *_report(lacking, "pip install workbench")))
+        needs = [("needed", lacking, install_command(""))]
         for name, what in EXTRAS.items():
-            state, fix = _report(extras[name], f"pip install 'workbench[{name}]'")
-            rows.append((f"for {what}", state, fix))
+            needs.append((f"for {what}", extras[name], install_command(name)))
         for library in libraries():
-            state, fix = _report(() if library.is_here else (library.name,), library.installs)
-            rows.append((f"for {library.use}", state, fix))
-        print_table("Installation", ("what", "is", "what installs it"), rows)
+            names = () if library.is_here else (library.name,)
+            needs.append((f"for {library.use}", names, library.installs))
+        states = [
+            (what, f"missing: {', '.join(names)}" if names else "there") for what, names, _ in needs
+        ]
+        print_table("Installation", ("what", "is"), [*about.items(), *states])
+        for what, names, command in needs:
+            if names:
+                print(f"{what}: {command}")
     return NO_PLAN if lacking else SUCCESS
-
-
-def _report(lacking: tuple[str, ...], fix: str) -> tuple[str, str]:
-    return (f"missing: {', '.join(lacking)}", fix) if lacking else ("there", "")

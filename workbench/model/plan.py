@@ -156,10 +156,7 @@ class ArmPlan:
 
     def leg(self, name: str) -> Leg:
         """The leg of that name; KeyError when the arm has none."""
-        for leg in self.legs:
-            if leg.name == name:
-                return leg
-        raise KeyError(name)
+        return {leg.name: leg for leg in reversed(self.legs)}[name]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -223,10 +220,7 @@ class Plan(FactsRepr):
 
     def arm(self, name: str) -> ArmPlan:
         """That arm's part of the plan; KeyError when the arm does not take part."""
-        for arm in self.arms:
-            if arm.arm == name:
-                return arm
-        raise KeyError(name)
+        return {arm.arm: arm for arm in reversed(self.arms)}[name]
 
     @property
     def picks(self) -> tuple[ArmPlan, ...]:
@@ -383,6 +377,11 @@ class PlanResult(FactsRepr):
     bound: float = field(default_factory=float, metadata=LATER)
     row: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
     row_ends: Message | None = field(default_factory=lambda: None, metadata=LATER)
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether there is a plan, and its proof holds."""
+        return self.plan is not None and self.proof is not None and self.proof.holds
 
     @property
     def facts(self) -> Mapping[str, object]:

@@ -1,6 +1,8 @@
 """The seam of extras: what the core starts by name, and does without where it is not asked for."""
 
 import importlib
+import shlex
+import sys
 from typing import Any
 
 from workbench.model.errors import InputError
@@ -8,7 +10,19 @@ from workbench.model.errors import InputError
 SHELF = "workbench.extras"
 
 LIBRARIES = {"mcap": "mcap", "modbus": "pymodbus", "opcua": "asyncua"}
-"""The library that an extra needs, if any, and that `pip install 'workbench[extra]'` brings."""
+"""The library that an extra needs, if any, and that `install_command` brings."""
+
+
+def install_command(extra: str) -> str:
+    """The command that installs what an extra needs into the environment that runs.
+
+    PyPI's `workbench` is another project, which the `pip` of another environment would install.
+
+    Args:
+        extra: by its name; empty for the core.
+    """
+    what = f"workbench[{extra}]" if extra else "workbench"
+    return shlex.join((sys.executable, "-m", "pip", "install", what))
 
 
 def from_extra(target: str, who: str = "this needs") -> Any:
@@ -27,14 +41,15 @@ def from_extra(target: str, who: str = "this needs") -> Any:
     try:
         return getattr(importlib.import_module(f"{SHELF}.{module}"), name)
     except ModuleNotFoundError as error:
-        library, missing = LIBRARIES.get(extra), error.name or ""
-        is_whole = f"{SHELF}.{extra}".startswith(missing)
-        if library is not None and (is_whole or missing.partition(".")[0] == library):
-            says = f"the library {library}: pip install 'workbench[{extra}]'"
-        elif is_whole:
-            says = f"{SHELF}.{extra}, which is not installed"
-        elif missing.startswith("workbench"):
+        missing = (error.name or "").partition(".")[0]
+        is_whole = f"{SHELF}.{extra}".startswith(error.name or "")
+        if missing == "workbench" and not is_whole:
             raise
+        library = LIBRARIES.get(extra) if is_whole else missing
+        if library is None:
+            says = f"{SHELF}.{extra}, which is not installed"
+        elif extra in LIBRARIES:
+            says = f"the library {library}: {install_command(extra)}"
         else:
-            says = f"the library {missing}, which is not installed"
+            says = f"the library {library}, which is not installed"
         raise InputError(f"{who} {says}") from error

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from workbench.model.errors import InputError
+from workbench.plugins.extras import install_command
 from workbench.plugins.progress import Report, silent
 
 Case = TypeVar("Case")
@@ -75,7 +76,7 @@ def _client(workers: int, scheduler: str | None) -> Generator[Any]:
         from distributed import Client, LocalCluster
     except ImportError:
         raise InputError(
-            "more than one worker needs Dask: pip install 'workbench[cluster]', or --workers 1"
+            f"more than one worker needs Dask: {install_command('cluster')}, or --workers 1"
         ) from None
     if scheduler is not None:
         try:

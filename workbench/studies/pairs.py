@@ -36,7 +36,7 @@ def taken_of(cell: Cell, detections: Sequence[Detection], first: PlanResult, see
         first: what `auto` made of them, where distance forbids nothing.
         seed: of the plan for what it leaves.
     """
-    if not _holds(first) or first.plan is None:
+    if not first.is_proven or first.plan is None:
         why = f"neither: {_why_none(first)}"
         return Taken(0, why, False, why)
     if len(first.plan.arms) == len(detections):
@@ -44,7 +44,7 @@ def taken_of(cell: Cell, detections: Sequence[Detection], first: PlanResult, see
     gone = {arm.detection for arm in first.plan.arms}
     rest = tuple(detection for number, detection in enumerate(detections) if number not in gone)
     second = plan_pick(cell, rest, "study", seed=seed)
-    is_whole = _holds(second)
+    is_whole = second.is_proven
     left = "" if is_whole else f"one: {_why_none(second)}"
     return Taken(1, _why_one(cell, detections, first), is_whole, left)
 
@@ -67,10 +67,6 @@ def _most(reasons: Iterator[str]) -> dict[str, int]:
     """How often each comes, the most frequent first; the same for the same reasons in any order."""
     found = Counter(reasons)
     return dict(sorted(found.items(), key=lambda entry: (-entry[1], entry[0])))
-
-
-def _holds(result: PlanResult) -> bool:
-    return result.plan is not None and result.proof is not None and result.proof.holds
 
 
 def _why_none(result: PlanResult) -> str:

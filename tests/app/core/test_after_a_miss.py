@@ -109,9 +109,7 @@ def test_who_has_stopped_the_robot_takes_a_new_scan(in_rows, cell):
     "change",
     [
         lambda cell: with_policy(cell, pair_gap=0.0),
-        lambda cell: replace(
-            cell, controller=controller_by("pick-server", options={"poses": "kuka"})
-        ),
+        lambda cell: replace(cell, controller=POSES_ALONE),
     ],
 )
 def test_cells_in_which_nobody_knows_what_moves_take_a_new_scan(in_rows, cell, change):

@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import typing
 
 import pytest
 from hypothesis import given
@@ -15,7 +14,6 @@ from workbench.app.core.commands import COMMANDS
 from workbench.app.core.control import (
     MOST_ASKING,
     AskForControl,
-    ControlCommand,
     DenyControl,
     GiveControl,
     ReleaseControl,
@@ -176,10 +174,6 @@ def test_no_sequence_of_words_takes_control_from_a_person_but_an_engineer_does(c
         assert new.control not in MACHINES and new.control not in new.asking
         assert all(PEOPLE[name].covers(Role.OPERATOR) for name in new.asking)
         state = new
-
-
-def test_every_word_about_control_is_a_command():
-    assert set(typing.get_args(ControlCommand)) <= set(COMMANDS)
 
 
 def test_a_session_from_before_there_were_roles_is_that_of_engineers(cell):

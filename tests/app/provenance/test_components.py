@@ -106,4 +106,4 @@ def test_the_doctor_names_the_command_that_installs_what_is_missing(monkeypatch,
     assert main(["doctor"]) == 3
     said = capsys.readouterr().out
     assert "missing: numpy>=2.0" in said
-    assert "pip install 'workbench[opcua]'" in said
+    assert "-m pip install 'workbench[opcua]'" in said

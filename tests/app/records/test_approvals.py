@@ -79,8 +79,9 @@ def test_a_plan_goes_out_once(record):
     for again in (
         lambda: record.take(approval(actor="Bob")),
         lambda: record.show("a" * 64, "Bob", NOW, FACTS),
+        lambda: record.check_shown("a" * 64, "Ada", NOW + 2 * MINUTES, MINUTES, FACTS),
     ):
-        with pytest.raises(CommandRefused, match="approved by Ada before"):
+        with pytest.raises(CommandRefused, match=r"approved by Ada before .* another --seed"):
             again()
     record.take(approval("e" * 64))
 

@@ -19,3 +19,8 @@ def test_a_cell_with_a_suction_cup_picks_a_part_that_the_cup_can_take(tmp_path, 
     cell = read_cell(folder / "cell.toml")
     assert [part.name for part in cell.parts] == ["puck"]
     assert cell.controller.host == "127.0.0.1"
+
+
+def test_an_empty_name_of_the_robot_file_is_refused_by_what_to_give(capfd):
+    assert main(["cell", "new", "own", "--urdf", ""]) == 2
+    assert "no robot file is named: give the path of a URDF, xacro" in capfd.readouterr().err

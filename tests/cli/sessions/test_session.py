@@ -3,6 +3,7 @@
 import json
 import sqlite3
 import time
+from pathlib import Path
 
 import pytest
 
@@ -12,13 +13,18 @@ from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.records.session_archive import sessions_in
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
 from workbench.cli.sessions.inspecting import summarize_session
+from workbench.cli.sessions.statistics import sessions_below
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.shared.movable_frames import move_frame
 from workbench.journal import journal
+from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
+
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +57,14 @@ def test_a_session_is_listed(say, folder):
     (one,) = json.loads(said.out)["sessions"]
     assert (one["session"], one["cell"]) == (folder.name, "yumi")
     assert int(one["entries"]) > 12 and one["message"] == "the bin is moved"
+
+
+def test_the_example_that_is_shipped_is_marked_in_the_list_and_not_counted(say):
+    listed = say("session", "list", "--sessions", ROOT / "sessions").out
+    assert "example (shipped)" in listed
+    assert sessions_in(ROOT / "sessions") == ()
+    with pytest.raises(InputError, match="there are no sessions of yours in it"):
+        sessions_below(ROOT / "sessions")
 
 
 def test_the_row_of_a_long_session_reads_its_first_and_its_last_entry(folder, monkeypatch):

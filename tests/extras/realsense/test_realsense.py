@@ -150,7 +150,7 @@ def test_without_a_camera_or_the_library_it_is_told(monkeypatch):
             made(RealsenseScanner, "", options={"exposure_us": 8000.0, "columns": 848, "rows": 480})
         )
     monkeypatch.setitem(sys.modules, "pyrealsense2", None)
-    with pytest.raises(LinkError, match=r"pip install 'workbench\[realsense\]'"):
+    with pytest.raises(LinkError, match=r"-m pip install 'workbench\[realsense\]'"):
         taken(made(RealsenseScanner, ""))
 
 

@@ -25,10 +25,11 @@ class AskForControl(Command):
     )
 
     def check(self, state: State, asked: Asked) -> None:
-        refuse(control_problem(state, self, asked.actor, asked.role))
+        refuse(_asking_problem(state, asked.actor))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return _waiting_for(state, with_control(state, self, entry.actor))
+        message = ControlText.ASKS(person=entry.actor, other=state.control)
+        return replace(state, asking=(*state.asking, entry.actor), message=message), ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,10 +41,16 @@ class TakeControl(Command):
     )
 
     def check(self, state: State, asked: Asked) -> None:
-        refuse(control_problem(state, self, asked.actor, asked.role))
+        if state.control == asked.actor:
+            refuse(ControlRefusal.YOURS())
+        if state.control and not asked.role.covers(Role.ENGINEER):
+            refuse(Refusal.IN_CONTROL(person=state.control))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return _waiting_for(state, with_control(state, self, entry.actor))
+        message = ControlText.TAKES(person=entry.actor)
+        if state.control:
+            message = ControlText.TAKES_OVER(person=entry.actor, other=state.control)
+        return _hand_to(entry.actor, state, message)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,10 +62,11 @@ class GiveControl(Command):
     to: str
 
     def check(self, state: State, asked: Asked) -> None:
-        refuse(control_problem(state, self, asked.actor, asked.role))
+        refuse(_answer_problem(state, self.to))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return _waiting_for(state, with_control(state, self, entry.actor))
+        message = ControlText.HANDS_OVER(person=entry.actor, other=self.to)
+        return _hand_to(self.to, state, message)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,10 +78,11 @@ class DenyControl(Command):
     to: str
 
     def check(self, state: State, asked: Asked) -> None:
-        refuse(control_problem(state, self, asked.actor, asked.role))
+        refuse(_answer_problem(state, self.to))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return _waiting_for(state, with_control(state, self, entry.actor))
+        message = ControlText.KEEPS(person=entry.actor, other=self.to)
+        return replace(state, asking=_without(state.asking, self.to), message=message), ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,38 +100,14 @@ class ReleaseControl(Command):
     of: str = ""
 
     def check(self, state: State, asked: Asked) -> None:
-        refuse(control_problem(state, self, asked.actor, asked.role))
+        refuse(_release_problem(state, self.of, asked.actor))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return _waiting_for(state, with_control(state, self, entry.actor))
-
-
-ControlCommand = AskForControl | TakeControl | GiveControl | DenyControl | ReleaseControl
-
-
-def control_problem(
-    state: State, command: ControlCommand, actor: str, role: Role
-) -> Message | None:
-    """Why a command about control does not count; None when it does.
-
-    Args:
-        state: says who is in control, and who has asked for it.
-        command: what is asked for.
-        actor: whose it is.
-        role: the person's; a machine's says nothing.
-    """
-    match command:
-        case AskForControl() | TakeControl() if state.control == actor:
-            return ControlRefusal.YOURS()
-        case AskForControl():
-            return _asking_problem(state, actor)
-        case TakeControl():
-            is_free = not state.control or role.covers(Role.ENGINEER)
-            return None if is_free else Refusal.IN_CONTROL(person=state.control)
-        case GiveControl(to=to) | DenyControl(to=to):
-            return _answer_problem(state, to)
-        case ReleaseControl(of=of):
-            return _release_problem(state, of, actor)
+        message = ControlText.GIVES_BACK(person=entry.actor)
+        if entry.actor in MACHINES:
+            message = ControlText.GONE(person=state.control)
+        # Who has asked may take it now; there is nobody left to answer.
+        return _end_tasks(state, replace(state, control="", asking=(), message=message))
 
 
 def _answer_problem(state: State, to: str) -> Message | None:
@@ -138,6 +123,8 @@ def _answer_problem(state: State, to: str) -> Message | None:
 def _asking_problem(state: State, actor: str) -> Message | None:
     if not state.control:
         return ControlRefusal.FREE()
+    if state.control == actor:
+        return ControlRefusal.YOURS()
     if actor in state.asking:
         return ControlRefusal.ASKED_ALREADY(person=state.control)
     if len(state.asking) >= MOST_ASKING:
@@ -158,42 +145,16 @@ def _release_problem(state: State, of: str, actor: str) -> Message | None:
     return ControlRefusal.NOT_YOURS(person=repr(of), other=repr(actor))
 
 
-def with_control(state: State, command: ControlCommand, actor: str) -> State:
-    """The state after a command about control.
-
-    Args:
-        state: before.
-        command: what is asked for, which `control_problem` has nothing against.
-        actor: whose it is.
-    """
-    match command:
-        case AskForControl():
-            message = ControlText.ASKS(person=actor, other=state.control)
-            return replace(state, asking=(*state.asking, actor), message=message)
-        case TakeControl():
-            message = ControlText.TAKES(person=actor)
-            if state.control:
-                message = ControlText.TAKES_OVER(person=actor, other=state.control)
-            return _held_by(state, actor, message)
-        case GiveControl(to=to):
-            return _held_by(state, to, ControlText.HANDS_OVER(person=actor, other=to))
-        case DenyControl(to=to):
-            asking = tuple(name for name in state.asking if name != to)
-            return replace(state, asking=asking, message=ControlText.KEEPS(person=actor, other=to))
-        case ReleaseControl():
-            message = ControlText.GIVES_BACK(person=actor)
-            if actor in MACHINES:
-                message = ControlText.GONE(person=state.control)
-            # Who has asked may take it now; there is nobody left to answer.
-            return replace(state, control="", asking=(), message=message)
+def _hand_to(name: str, state: State, message: Message) -> Decision:
+    asking = _without(state.asking, name)
+    return _end_tasks(state, replace(state, control=name, asking=asking, message=message))
 
 
-def _held_by(state: State, name: str, message: Message) -> State:
-    asking = tuple(person for person in state.asking if person != name)
-    return replace(state, control=name, asking=asking, message=message)
+def _without(asking: tuple[str, ...], name: str) -> tuple[str, ...]:
+    return tuple(person for person in asking if person != name)
 
 
-def _waiting_for(before: State, after: State) -> Decision:
+def _end_tasks(before: State, after: State) -> Decision:
     """The state after a change of control: no task continues in the name of who gave it away."""
     if after.ahead is not None and after.control != before.control:
         return given_up(after, AheadText.CONTROL_GONE())

@@ -18,6 +18,7 @@ from workbench.model.messages.changes import ChangeText
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import OrderText
 from workbench.model.part import Entry, Grasp, GraspPattern, Part
+from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.kinematics.chain import chain_of, is_solution
 from workbench.planning.kinematics.quickness import tool_acceleration
@@ -179,17 +180,11 @@ def _with_grasps(cell: Cell, made: Callable[[Part], tuple[Entry, ...] | None]) -
 
 def _each(part: Part, made: Callable[[Grasp], Grasp]) -> tuple[Entry, ...] | None:
     """The library with every grasp made into another; None where none is."""
-    entries = tuple(
-        replace(entry, grasp=made(entry.grasp)) if isinstance(entry, GraspPattern) else made(entry)
-        for entry in part.library.entries
-    )
-    return None if all(a is b for a, b in zip(_bare(entries), _bare(part.library.entries),
-                                              strict=True)) else entries  # fmt: skip
-
-
-def _bare(entries: tuple[Entry, ...]) -> Iterator[Grasp]:
-    for entry in entries:
-        yield entry.grasp if isinstance(entry, GraspPattern) else entry
+    before = [grasp_of(entry) for entry in part.library.entries]
+    after = [made(grasp) for grasp in before]
+    if all(a is b for a, b in zip(after, before, strict=True)):
+        return None
+    return tuple(map(with_grasp, part.library.entries, after))
 
 
 def _open(cell: Cell, by: float) -> Cell | None:

@@ -9,6 +9,7 @@ family takes while some grip does adds its own.
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from workbench.app.filling.advice import advice
 from workbench.app.filling.choosing import choose
@@ -25,7 +26,8 @@ from workbench.model.messages.message import Message
 from workbench.model.messages.parts import PileText
 from workbench.model.messages.verdicts import ReasonText
 from workbench.model.messages.work import ProgressText
-from workbench.model.part import Entry, GraspPattern, Part
+from workbench.model.part import Entry, Part
+from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.room import check_room
@@ -115,7 +117,7 @@ def filled(
         choose(cell, hand, first, seed, lambda n=number: work.is_over(CHOOSING * n / len(hands)))
     stays: Counter[Message] = Counter()
     stuck: list[Stays] = []
-    for pile in _on(first[::-1], piles):
+    for pile in chain(first[::-1], piles):
         if work.is_over(CLEARING):
             break
         out, why = clear_collisions(cell, hands, pile, seed, lambda: work.is_over(CLEARING))
@@ -163,13 +165,6 @@ def _no_hand(cell: Cell, part: Part) -> Message:
     return PileText.NO_FACES(part=part.name, strokes=strokes)
 
 
-def _on(
-    first: Sequence[tuple[Detection, ...]], more: Iterator[tuple[Detection, ...]]
-) -> Iterator[tuple[Detection, ...]]:
-    yield from first
-    yield from more
-
-
 def _piles(cell: Cell, part: Part, seed: int, work: Work) -> Iterator[tuple[Detection, ...]]:
     """Piles of the part in the cell's bin, never ending."""
     number = 0
@@ -203,11 +198,6 @@ def rank_entries(part: Part, families: Sequence[Kept]) -> list[Entry]:
         so_far += family.adds
         name = make_name(part, family.family.entry, taken)
         taken.add(name)
-        found.append(_as(family.family.entry, name, priority))
+        entry = family.family.entry
+        found.append(with_grasp(entry, replace(grasp_of(entry), name=name, priority=priority)))
     return found
-
-
-def _as(entry: Entry, name: str, priority: int) -> Entry:
-    if isinstance(entry, GraspPattern):
-        return replace(entry, grasp=replace(entry.grasp, name=name, priority=priority))
-    return replace(entry, name=name, priority=priority)

@@ -5,7 +5,8 @@ from collections.abc import Collection
 import numpy as np
 
 from workbench.model.geometry import Floats
-from workbench.model.part import Entry, GraspPattern, Part
+from workbench.model.part import Entry, Part
+from workbench.model.part_edits import grasp_of
 
 LENGTHWISE = 0.8
 """Cosine from which a direction is that of the part's length."""
@@ -24,7 +25,7 @@ def make_name(part: Part, entry: Entry, taken: Collection[str]) -> str:
 
 
 def _kind(part: Part, entry: Entry) -> str:
-    grasp = entry.grasp if isinstance(entry, GraspPattern) else entry
+    grasp = grasp_of(entry)
     points = np.asarray(part.mesh.points)
     length = _length(part, points)
     R = grasp.T_part_tcp.rotation

@@ -122,7 +122,7 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     scene = Scene(scan_digest, detections, obstacles)
     result = _plan_by_each(cell, policy, scene, asked, _Stages(), _library_levels(cell))
     levels = _search_levels(cell, detections, avoided)
-    if levels and not _holds(result):
+    if levels and not result.is_proven:
         asked = replace(asked, report=within(report, LIBRARIES_TRIED, GRIPS_SEARCHED))
         by, stages = searching_policy(policy), _after(result)
         found = _plan_by_each(cell, by, scene, asked, stages, levels, tries=PROVEN_TRIES)
@@ -202,7 +202,7 @@ def _plan_by_each(
         found = _plan(world, scene, asked, stages, levels, tries=tries)
         judged, stages = (*judged, *found.candidates), _after(found)
         best = found if best is None else _further(best, found)
-        if _holds(best) or processor_time() > asked.deadline:
+        if best.is_proven or processor_time() > asked.deadline:
             break
     assert best is not None
     return replace(best, candidates=judged, seconds=stages.seconds)
@@ -263,23 +263,19 @@ def _plan(
                 [_attempt(world, scene, judged, asked, name, stages.branch()) for name in wanted],
             )
             best = found if best is None else _better(best, found)
-            if found.plan is None or _holds(found):
+            if found.plan is None or found.is_proven:
                 break
             judged.drop(found.plan)
-        if best is not None and _holds(best):
+        if best is not None and best.is_proven:
             break
         stages.began = working_time()
     assert best is not None
     return best
 
 
-def _holds(result: PlanResult) -> bool:
-    return result.proof is not None and result.proof.holds
-
-
 def _better(result: PlanResult, later: PlanResult) -> PlanResult:
     """A result whose proof holds, else the first with a plan, else the last."""
-    return later if result.plan is None or (_holds(later) and not _holds(result)) else result
+    return later if result.plan is None or (later.is_proven and not result.is_proven) else result
 
 
 @dataclass(slots=True)

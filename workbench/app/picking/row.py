@@ -81,11 +81,11 @@ def plan_row(  # noqa: PLR0913 - all that a request for a plan can say, by keywo
         clear = replace(scene, obstacles=(*obstacles, *unseen))
         first = within(report, 0.0, USUALLY)
         result = _rows(cell, clear, picks, avoided, strategy, first, wanted=wanted, **asked)
-        if _holds(result):
+        if result.is_proven:
             return result
         report = within(report, USUALLY, 1.0)
     result = _rows(cell, scene, picks, avoided, strategy, report, wanted=wanted, **asked)
-    return _add_note(result, PlanNote.GOES_UNSEEN()) if unseen and _holds(result) else result
+    return _add_note(result, PlanNote.GOES_UNSEEN()) if unseen and result.is_proven else result
 
 
 def check_picks(cell: Cell, picks: int) -> None:
@@ -180,7 +180,7 @@ def _row(
     report_plan = within(report, 0.0, 1.0 / picks)
     first = _next(cell, scene, left, report_plan, is_last=picks == 1, wanted=wanted, **asked)
     first = _with_mating(cell, first, bases)
-    if not _holds(first) or first.plan is None or picks == 1:
+    if not first.is_proven or first.plan is None or picks == 1:
         return first
     row, done = list(first.row), 1
     began, latest = working_time(), first.plans
@@ -263,16 +263,12 @@ def _next(
     if not is_last and heaped and len(heaped | set(avoided)) < len(heaps):
         lonely = {**dict.fromkeys(heaped, VerdictNote.TAKEN_LAST()), **avoided}
         result = plan_once(lonely, 0.0, USUALLY * whole)
-    if result is None or not _holds(result):
+    if result is None or not result.is_proven:
         result = plan_once(avoided, 0.0 if result is None else USUALLY * whole, whole)
-    if _holds(result) or not cell.stations:
+    if result.is_proven or not cell.stations:
         return result
     report_rest = within(report, whole, 1.0)
     return plan_regrasp(cell, scene, result, avoided=avoided, report=report_rest, **asked)
-
-
-def _holds(result: PlanResult) -> bool:
-    return result.plan is not None and result.proof is not None and result.proof.holds
 
 
 def _carry_over(plan: Plan, avoided: Mapping[int, Message]) -> dict[int, Message]:

@@ -55,13 +55,22 @@ class ApprovalRecord:
     def check_shown(
         self, digest: str, actor: str, now: float, valid: float, facts: Mapping[str, str]
     ) -> None:
-        """Refuse who has not seen these facts of a plan, in the last this many seconds.
+        """Refuse a plan that has gone out, and a person who has not seen these facts lately.
+
+        Args:
+            digest: of the plan.
+            actor: the person's name.
+            now: seconds since the epoch.
+            valid: seconds for which a person may act on what was shown.
+            facts: as they are now, by name.
 
         Raises:
-            CommandRefused: says what to do.
+            CommandRefused: states what the person can do.
         """
         with self._open() as journal:
-            shown = [body for kind, body in _entries(journal) if kind == SHOWN]
+            entries = _entries(journal)
+        _refuse_second(entries, digest)
+        shown = [body for kind, body in entries if kind == SHOWN]
         mine = [
             view
             for view in shown
@@ -149,8 +158,8 @@ def _refuse_second(entries: Sequence[tuple[str, dict[str, Any]]], digest: str) -
             taken = None
     if taken is not None:
         raise CommandRefused(
-            f"plan {digest[:SHORTEST]} was approved by {taken['actor']} before and has gone out: "
-            "an approval moves the robot once; make a new plan"
+            f"plan {digest[:SHORTEST]} was approved by {taken['actor']} before and has gone out; "
+            "an approval moves the robot once: plan anew with another --seed"
         )
 
 

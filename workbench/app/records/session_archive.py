@@ -17,6 +17,7 @@ from workbench.app.records.record import SESSION
 from workbench.app.statistics.statistics import statistics
 from workbench.app.statistics.statistics_table import csv_text
 from workbench.formats.files.archives import unpacked_beside, write_archive
+from workbench.formats.files.shipped import is_example_session
 from workbench.formats.files.whole_files import is_file, plain_name
 from workbench.journal.files import file_path
 from workbench.journal.journal import DATABASE, Journal
@@ -51,8 +52,9 @@ def open_journal(folder: Path) -> Journal:
 
 
 def sessions_in(root: Path) -> tuple[Path, ...]:
-    """The folders of all sessions below a folder, by name."""
-    return tuple(sorted(file.parent for file in root.glob(f"*/{DATABASE}")))
+    """The folders of all sessions below a folder, by name, without the example that is shipped."""
+    found = sorted(file.parent for file in root.glob(f"*/{DATABASE}"))
+    return tuple(folder for folder in found if not is_example_session(folder))
 
 
 def list_session(

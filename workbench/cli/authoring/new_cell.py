@@ -161,6 +161,8 @@ def import_world(typed: arguments.Import) -> int:
 
 def _read(typed: CellNew) -> tuple[RobotInPlace, Description]:
     """The robot with its original meshes, and its surroundings if the file describes them."""
+    if typed.urdf == Path():
+        raise InputError("no robot file is named: give the path of a URDF, xacro or Klamp't file")
     if typed.urdf.is_dir():
         raise InputError(_file_to_name(typed.urdf))
     kind = typed.urdf.suffix.lower()

@@ -204,16 +204,15 @@ def _finish(
     typed: arguments.PlanArguments, result: PlanResult, ready: float, planning: float
 ) -> int:
     """Write what is proven, and print what came of it."""
-    is_good = result.plan is not None and result.proof is not None and result.proof.holds
-    if is_good and result.plan is not None:
+    if result.is_proven and result.plan is not None:
         write_plan(typed.out, result.plan, result.proof)
         for number, proven_plan in enumerate(result.row, 2):
             write_plan(_file_of(typed.out, number), proven_plan.plan, proven_plan.proof)
     if typed.json:
-        _print_form(typed.out, result, is_good, ready, planning)
+        _print_form(typed.out, result, ready, planning)
     else:
-        _print_words(typed.out, result, is_good, ready, planning)
-    return SUCCESS if is_good else NO_PLAN
+        _print_words(typed.out, result, ready, planning)
+    return SUCCESS if result.is_proven else NO_PLAN
 
 
 def _file_of(out: Path, number: int) -> Path:
@@ -286,13 +285,11 @@ def around_in(
     return look_around(cell, read_scan(scan, cell.scanner), detections, standing)
 
 
-def _print_form(
-    out: Path, result: PlanResult, is_good: bool, ready: float, planning: float
-) -> None:
+def _print_form(out: Path, result: PlanResult, ready: float, planning: float) -> None:
     print_json(
         {
-            "ok": is_good,
-            "file": str(out) if is_good else None,
+            "ok": result.is_proven,
+            "file": str(out) if result.is_proven else None,
             "verdict": str(result.verdict),
             "said": result.verdict.message.program_form,
             "plan": None if result.plan is None else plan_form(result.plan, result.bound),
@@ -320,10 +317,8 @@ def _print_form(
     )
 
 
-def _print_words(
-    out: Path, result: PlanResult, is_good: bool, ready: float, planning: float
-) -> None:
-    if not is_good:
+def _print_words(out: Path, result: PlanResult, ready: float, planning: float) -> None:
+    if not result.is_proven:
         print_candidates("every candidate", result.candidates)
     if result.candidates:
         print(f"candidates: {reasons_words(result.candidates)}")
@@ -338,7 +333,8 @@ def _print_words(
     if result.plan is None:
         print(f"no plan: {result.verdict}")
     else:
-        print(f"{out if is_good else 'not written'}: {plan_words(result.plan, result.bound)}")
+        file = out if result.is_proven else "not written"
+        print(f"{file}: {plan_words(result.plan, result.bound)}")
     if result.proof is not None:
         print(proof_words(result.proof))
     for number, proven_plan in enumerate(result.row, 2):
@@ -356,5 +352,5 @@ def _print_words(
 def _beside_words(other: PlanResult) -> str:
     if other.plan is None:
         return f"no plan: {other.verdict}"
-    holds = other.proof is not None and other.proof.holds
-    return plan_words(other.plan, other.bound) + ("" if holds else "; its proof does not hold")
+    words = plan_words(other.plan, other.bound)
+    return words if other.is_proven else f"{words}; its proof does not hold"

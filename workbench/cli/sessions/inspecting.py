@@ -13,6 +13,7 @@ from workbench.app.review.recompute import recompute_tasks
 from workbench.cli.arguments.session import SessionList, SessionReplay, SessionShow, SessionVerify
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table
+from workbench.formats.files.shipped import is_example_session
 from workbench.formats.files.whole_files import MB, is_folder, read_whole
 from workbench.journal.anchors import anchor_problems, anchors_from
 from workbench.journal.journal import DATABASE, Journal
@@ -27,7 +28,9 @@ def list_sessions(typed: SessionList) -> int:
     if is_folder(typed.sessions):
         for folder in sorted(typed.sessions.iterdir()):
             if (folder / DATABASE).exists():
-                rows.append(summarize_session(folder))
+                name, *rest = summarize_session(folder)
+                is_marked = is_example_session(folder) and not typed.json
+                rows.append((f"{name} (shipped)" if is_marked else name, *rest))
     if typed.json:
         keys = ("session", "cell", "entries", "ended", "message")
         print_json({"sessions": [dict(zip(keys, row, strict=True)) for row in rows]})

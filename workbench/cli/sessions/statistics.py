@@ -37,14 +37,14 @@ def print_statistics(typed: arguments.StatisticsArguments) -> int:
 
 
 def sessions_below(root: Path) -> tuple[Path, ...]:
-    """The folders of all sessions in a folder.
+    """The folders of all sessions in a folder; see `sessions_in`.
 
     Raises:
         InputError: there are none.
     """
     found = sessions_in(root)
     if not found:
-        raise InputError(f"{root}: there are no sessions in it; name the folders of some")
+        raise InputError(f"{root}: there are no sessions of yours in it; name the folders of some")
     return found
 
 

@@ -20,6 +20,7 @@ import numpy as np
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.geometry import Floats
 from workbench.model.messages.devices import DeviceText
+from workbench.plugins.extras import install_command
 
 PERIOD_MS = 4
 LONGEST_MESSAGE = 4096
@@ -268,7 +269,7 @@ def _classes() -> dict[str, Any]:
         made: Any = importlib.import_module("google.protobuf.message_factory")
     except ModuleNotFoundError:
         raise LinkError(
-            DeviceText.LIBRARY(library="protobuf", command="pip install 'workbench[egm]'")
+            DeviceText.LIBRARY(library="protobuf", command=install_command("egm"))
         ) from None
     file = described.FileDescriptorProto(name="workbench_egm", package="abb.egm", syntax="proto2")
     states = file.enum_type.add(name="State")

@@ -1,5 +1,5 @@
 """Universal Robots: URScript programs, RTDE client, simulated controller.
 
-`ur-rtde` is needed, an extra: `pip install workbench[ur-rtde]`.  Of other devices it imports
+The extra `ur-rtde` brings the library of that name, which it needs.  Of other devices it imports
 what streams share, `devices/streamed_way.py`.
 """

@@ -2,10 +2,11 @@
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 from workbench.devices.universal_robots.flange import Flange
-from workbench.devices.universal_robots.program import ProgramSettings, UrProgram, program_of
+from workbench.devices.universal_robots.program import ProgramSettings, program_of
 from workbench.devices.universal_robots.received_states import States
 from workbench.devices.universal_robots.rtde import RTDE_PORT
 from workbench.devices.universal_robots.sending import RtdeSending
@@ -79,7 +80,9 @@ class UrRtde:
 
         check_release()
         self.check(cell)
-        program = self._program(cell, plan, approval, patience.silence)
+        options = options_of(self.Options, cell.controller.options)
+        settings = self._settings(options, patience.silence, approval)
+        program = program_of(cell, plan, approval, settings)
         ports = (cell.controller.port, RTDE_PORT)
         with Client(cell.controller.host, ports, sends=True) as client:
             talk = RtdeSending(
@@ -93,12 +96,11 @@ class UrRtde:
             )
             yield from talk.run(check_release, cancelled)
 
-    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
-        """What goes out for a plan."""
-        options = options_of(self.Options, cell.controller.options)
-        hand, inertia = (options.gripper_output, options.grip_s), options.payload_inertia
-        settings = ProgramSettings(*hand, silence, sends_inertia=inertia)
-        return program_of(cell, plan, approval, settings)
+    def _settings(self, options: Any, silence: float, approval: Approval) -> ProgramSettings:
+        """What a program takes from the link's `Options`."""
+        del approval
+        hand = options.gripper_output, options.grip_s
+        return ProgramSettings(*hand, silence, sends_inertia=options.payload_inertia)
 
     def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
         """What RTDE reports, whenever it has changed."""
@@ -162,12 +164,9 @@ class UrRtdeBlend(UrRtde):
         takes_outputs=True,
     )
 
-    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
-        options = options_of(self.Options, cell.controller.options)
-        hand, blend = (options.gripper_output, options.grip_s), options.blend_mm / 1000.0
-        inertia = options.payload_inertia
-        settings = ProgramSettings(*hand, silence, blend, sends_inertia=inertia)
-        return program_of(cell, plan, approval, settings)
+    def _settings(self, options: Any, silence: float, approval: Approval) -> ProgramSettings:
+        settings = super()._settings(options, silence, approval)
+        return replace(settings, blend=options.blend_mm / 1000.0)
 
 
 class UrRtdeServo(UrRtde):
@@ -193,9 +192,6 @@ class UrRtdeServo(UrRtde):
         takes_outputs=True,
     )
 
-    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
-        options = options_of(self.Options, cell.controller.options)
-        hand, inertia = (options.gripper_output, options.grip_s), options.payload_inertia
+    def _settings(self, options: Any, silence: float, approval: Approval) -> ProgramSettings:
         servo = Servo(options.lookahead_s, options.gain, approval.speed_share)
-        settings = ProgramSettings(*hand, silence, servo=servo, sends_inertia=inertia)
-        return program_of(cell, plan, approval, settings)
+        return replace(super()._settings(options, silence, approval), servo=servo)

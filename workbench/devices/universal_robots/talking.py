@@ -12,6 +12,7 @@ from typing import Any
 
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.messages.devices import DeviceText
+from workbench.plugins.extras import install_command
 
 CONNECT_SECONDS = 3.0
 
@@ -35,7 +36,7 @@ class Client:
         """
         if importlib.util.find_spec("rtde_receive") is None:
             raise LinkError(
-                DeviceText.LIBRARY(library="ur-rtde", command="pip install 'workbench[ur-rtde]'")
+                DeviceText.LIBRARY(library="ur-rtde", command=install_command("ur-rtde"))
             )
         for port in ports:
             try:

@@ -23,6 +23,7 @@ from workbench.extras.evidence.pages import html_page, pdf_pages
 from workbench.extras.evidence.signing import make_key, read_key, time_stamp_request
 from workbench.formats.files.whole_files import write_whole
 from workbench.model.errors import InputError, JournalError
+from workbench.plugins.extras import install_command
 
 KEY, SCRIPT = "key", "script"
 """What is typed in a session's place to have a key made, or verify.py written."""
@@ -48,7 +49,7 @@ def evidence(typed: Evidence) -> int:
     else:
         print(f"signed; public key {key.public_key().public_bytes_raw().hex()}")
     if not made.has_pdf:
-        print("without report.pdf, which needs pip install 'workbench[evidence]'")
+        print(f"without report.pdf, which needs {install_command('evidence')}")
     if typed.stamp:
         asked = out.with_suffix(".tsq")
         write_whole(asked, time_stamp_request(signed_message(made.manifest)))
@@ -103,7 +104,7 @@ def write_acceptance(typed: Acceptance) -> int:
         pdf_pages(judged.title, judged.tables) if is_pdf else html_page(judged.title, judged.tables)
     )
     if content is None:
-        raise InputError(f"{typed.out}: a PDF needs pip install 'workbench[evidence]'")
+        raise InputError(f"{typed.out}: a PDF needs {install_command('evidence')}")
     write_whole(typed.out, content)
     result = judged.result
     if typed.json:

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 from workbench.extras.evidence.packing import signed_message
 from workbench.formats.files.whole_files import read_whole
 from workbench.model.errors import FileError, InputError
+from workbench.plugins.extras import install_command
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
-NEEDED = "signing needs the package cryptography: pip install 'workbench[evidence]'"
+NEEDED = f"signing needs the package cryptography: {install_command('evidence')}"
 
 LONGEST_KEY = 10_000
 

@@ -17,6 +17,7 @@ from workbench.extras.klampt.worlds import Snapshot, robot_with_tools, write_wor
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.collision.world import World
+from workbench.plugins.extras import install_command
 from workbench.plugins.progress import Report, silent
 from workbench.studies.motion import solving
 from workbench.studies.motion.problems import ARM, Case
@@ -213,5 +214,5 @@ def _ask(request: dict[str, Any], count: int, report: Report) -> list[dict[str, 
 
 def _reason(text: str) -> str:
     if "No module named 'klampt'" in text:
-        return "it is not installed; pip install 'workbench[bench]'"
+        return f"it is not installed; {install_command('bench')}"
     return text.strip().splitlines()[-1] if text.strip() else "it ended without a word"

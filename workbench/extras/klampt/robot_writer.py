@@ -1,6 +1,5 @@
 """A robot as a Klamp't robot file (`.rob`); see `klampt_robot` for the format."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import pinocchio as pin
@@ -8,6 +7,7 @@ import pinocchio as pin
 from workbench.extras.klampt.urdf_writer import depth_first
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
 from workbench.formats.meshes.triangles import stl_of, surface_of
+from workbench.formats.robots.urdf_writer import numbers
 from workbench.model.robot import Robot
 
 
@@ -41,15 +41,15 @@ def write_rob(path: Path, robot: Robot) -> None:
         f"parents -1 {' '.join(str(names.index(joint.parent)) for joint in joints)}",
         "jointtype r " + " ".join("p" if j.kind == "prismatic" else "r" for j in joints),
         "tparent "
-        + " \\\n".join(_list([*T.rotation.ravel().tolist(), *T.translation]) for T in rows),
-        "axis 0 0 1 " + " ".join(_list(joint.axis.tolist()) for joint in joints),
-        f"qmin {_list([0.0 if f else v for f, v in zip(fixed, lower, strict=True)])}",
-        f"qmax {_list([0.0 if f else v for f, v in zip(fixed, upper, strict=True)])}",
-        f"velmax {_list([0.0, *(joint.velocity for joint in joints)])}",
+        + " \\\n".join(numbers([*T.rotation.ravel().tolist(), *T.translation]) for T in rows),
+        "axis 0 0 1 " + " ".join(numbers(joint.axis.tolist()) for joint in joints),
+        f"qmin {numbers([0.0 if f else v for f, v in zip(fixed, lower, strict=True)])}",
+        f"qmax {numbers([0.0 if f else v for f, v in zip(fixed, upper, strict=True)])}",
+        f"velmax {numbers([0.0, *(joint.velocity for joint in joints)])}",
         f"geometry {' '.join(map(_quote, files))}",
         *(f"joint weld {k}" for k, is_fixed in enumerate(fixed) if is_fixed),
         f"noselfcollision {' '.join(pairs)}",
-        f"mass {_list([1.0] * len(names))}",
+        f"mass {numbers([1.0] * len(names))}",
         "automass",
     ]
     write_whole(path, ("\n".join(lines) + "\n").encode())
@@ -57,7 +57,3 @@ def write_rob(path: Path, robot: Robot) -> None:
 
 def _quote(text: str) -> str:
     return '"' + text.replace('"', "") + '"'
-
-
-def _list(values: Sequence[float]) -> str:
-    return " ".join(repr(float(value)) for value in values)

@@ -1,4 +1,4 @@
 """Sessions as MCAP files, for Foxglove and ROS.
 
-`mcap` is needed, an extra: `pip install workbench[mcap]`.
+The extra `mcap` brings the library of that name, which it needs.
 """

@@ -21,6 +21,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.devices import DeviceText, ScannerText
 from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.scan import Scan
+from workbench.plugins.extras import install_command
 from workbench.plugins.options import option
 from workbench.plugins.progress import Cancelled, Report
 from workbench.plugins.scanner import ScanRequest
@@ -75,7 +76,7 @@ class RealsenseScanner:
         try:
             sdk: Any = importlib.import_module(LIBRARY)
         except ImportError:
-            command = "pip install 'workbench[realsense]'"
+            command = install_command("realsense")
             raise LinkError(DeviceText.LIBRARY(library=LIBRARY, command=command)) from None
         taking = _Taking(sdk, self._options.skipped_frames)
         try:

@@ -10,11 +10,11 @@ import tomlkit
 
 from workbench.formats.cells.calibrations import record_table
 from workbench.formats.cells.places import OF_PART
-from workbench.formats.cells.pose_edits import LOST, edit_pose, millimetres
+from workbench.formats.cells.pose_edits import LOST, edit_pose
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.tool_edits import all_as_written, as_written, edit_tools
 from workbench.formats.files.change_log import LOG, add_line, utc
-from workbench.formats.files.toml_documents import read_document, short, shorts
+from workbench.formats.files.toml_documents import millimetres, read_document, short, shorts
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.parts.grasp_files import are_written_alike
 from workbench.model.cell import Arm, Cell, Policy

@@ -6,8 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.formats.cells.places import OF_TOOL
-from workbench.formats.files.toml_documents import shorts
-from workbench.model.geometry import Floats
+from workbench.formats.files.toml_documents import millimetres, shorts
 
 LOST = 2e-6
 """[m, rad] That much a number may change by being written with four digits [mm, deg]."""
@@ -21,8 +20,3 @@ def edit_pose(table: Any, old: pin.SE3, new: pin.SE3, keys: tuple[str, str] = OF
         rpy = np.rad2deg(pin.rpy.matrixToRpy(new.rotation))
         table[keys[1]] = shorts(rpy)
     return table
-
-
-def millimetres(lengths: Floats) -> list[float | int]:
-    """Lengths (n,) [m] as people write them, in millimetres."""
-    return shorts(np.asarray(lengths) * 1000)

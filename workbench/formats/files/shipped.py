@@ -12,10 +12,18 @@ PACKAGE = Path(__file__).resolve().parents[2]
 
 def folders(kind: Kind) -> list[Path]:
     """Folders that are searched, first one wins: the working directory, then what is shipped."""
+    return [place for place in (Path.cwd() / kind, _shipped(kind)) if place.is_dir()]
+
+
+def is_example_session(folder: Path) -> bool:
+    """Whether a session's folder is the example that comes with the workbench."""
+    return folder.resolve() == _shipped("sessions") / "example"
+
+
+def _shipped(kind: Kind) -> Path:
     # A wheel carries its own copies; only in a checkout do they lie beside the package.
     shipped = PACKAGE / "shipped"
-    places = (Path.cwd() / kind, (shipped if shipped.is_dir() else PACKAGE.parent) / kind)
-    return [place for place in places if place.is_dir()]
+    return (shipped if shipped.is_dir() else PACKAGE.parent) / kind
 
 
 def find(kind: Kind, name: str) -> Path:

@@ -50,3 +50,8 @@ def text(value: object) -> str:
 def shorts(values: Iterable[float], digits: int = 4) -> list[float | int]:
     """Several numbers as people write them."""
     return [short(value, digits) for value in values]
+
+
+def millimetres(lengths: Iterable[float]) -> list[float | int]:
+    """Lengths [m] as people write them, in millimetres."""
+    return shorts(float(length) * 1000 for length in lengths)

@@ -11,13 +11,14 @@ import numpy as np
 import tomlkit
 from tomlkit.items import AoT
 
-from workbench.formats.files.toml_documents import read_document, short, shorts
+from workbench.formats.files.toml_documents import millimetres, read_document, short, shorts
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.parts.reading import library_of, read_grasps
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 from workbench.model.part import Entry, Grasp, GraspLibrary, GraspPair, GraspPattern
+from workbench.model.part_edits import grasp_of
 
 GRASPS = "grasps.toml"
 
@@ -119,11 +120,11 @@ def as_written(library: GraspLibrary) -> GraspLibrary:
 
 def keys_of(entry: Entry) -> dict[str, Any]:
     """The keys and values of an entry's table; what has its default is left out."""
-    grasp = entry.grasp if isinstance(entry, GraspPattern) else entry
+    grasp = grasp_of(entry)
     R = np.asarray(grasp.T_part_tcp.rotation)
     keys: dict[str, Any] = {
         "name": grasp.name,
-        "position_mm": _millimetres(grasp.T_part_tcp.translation),
+        "position_mm": millimetres(grasp.T_part_tcp.translation),
         "points_along": _direction(R[:, 2]),
         "closes_along": _direction(R[:, 1]),
         "opening_mm": short(grasp.opening * 1000),
@@ -155,7 +156,7 @@ def keys_of(entry: Entry) -> dict[str, Any]:
 def _pattern_keys(pattern: GraspPattern) -> dict[str, Any]:
     keys: dict[str, Any] = {
         "axis": _direction(pattern.axis),
-        "through_mm": _millimetres(pattern.through),
+        "through_mm": millimetres(pattern.through),
         "angles_deg": [_degrees(angle) for angle in pattern.angles],
         "offsets_mm": [short(offset * 1000) for offset in pattern.offsets],
     }
@@ -213,10 +214,6 @@ def _table(path: Path, text: str) -> Table:
 
 def _direction(vector: Floats) -> list[float | int]:
     return shorts(vector, 6)
-
-
-def _millimetres(lengths: Floats) -> list[float | int]:
-    return shorts(np.asarray(lengths) * 1000)
 
 
 def _degrees(angle: float) -> float | int:

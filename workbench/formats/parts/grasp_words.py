@@ -10,6 +10,7 @@ from workbench.model.geometry import shift_and_turn
 from workbench.model.messages.changes import GraspChange
 from workbench.model.messages.message import Message
 from workbench.model.part import Entry, GraspLibrary, GraspPair, GraspPattern
+from workbench.model.part_edits import grasp_of
 
 KEYS = (
     "opening_mm", "grip_mm", "approach", "approach_length_mm", "retreat", "retreat_length_mm",
@@ -75,7 +76,7 @@ def _changes(old: Entry, new: Entry) -> Iterator[Message]:
 
 
 def _list_moves(old: Entry, new: Entry) -> Iterator[Message]:
-    old_grasp, new_grasp = (e.grasp if isinstance(e, GraspPattern) else e for e in (old, new))
+    old_grasp, new_grasp = map(grasp_of, (old, new))
     shift, turn = shift_and_turn(old_grasp.T_part_tcp.actInv(new_grasp.T_part_tcp))
     if shift * 1000 >= 0.005:
         yield GraspChange.MOVED(by=shift)

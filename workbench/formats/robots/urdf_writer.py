@@ -1,12 +1,12 @@
 """What URDF files consist of: joints and numbers, written as other tools read them."""
 
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable
 from pathlib import Path
 
 import pinocchio as pin
 
 from workbench.formats.files.whole_files import write_whole
-from workbench.model.geometry import Floats
 from workbench.model.robot import Joint
 
 EFFORT = 1000.0
@@ -23,7 +23,7 @@ def write_xml(path: Path, root: ElementTree.Element) -> None:
     write_whole(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n")
 
 
-def numbers(values: Floats) -> str:
+def numbers(values: Iterable[float]) -> str:
     """Numbers (n,) in the attribute's unit as they are written into it: nothing is lost."""
     return " ".join(repr(float(value)) for value in values)
 

@@ -13,7 +13,8 @@ from workbench.model.messages.cells import RecipeText
 from workbench.model.messages.message import Message
 from workbench.model.messages.parts import PileText
 from workbench.model.messages.refusals import ChangeRefusal
-from workbench.model.part import Entry, GraspPattern, Part
+from workbench.model.part import Entry, Part
+from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.model.recipes.kit import KitItem, Wanted, lacking
 from workbench.model.recipes.recipe import NO_RECIPE, Recipe, names_of
 from workbench.model.scan import ALL_KINDS
@@ -196,8 +197,7 @@ def _parts(cell: Cell, recipe: Recipe) -> tuple[Part, ...]:
 
 
 def _is_enabled(entry: Entry, recipe: Recipe) -> bool:
-    grasp = entry.grasp if isinstance(entry, GraspPattern) else entry
-    return grasp.is_enabled and entry.name in recipe.grasps
+    return grasp_of(entry).is_enabled and entry.name in recipe.grasps
 
 
 def _part(part: Part, recipe: Recipe) -> Part:
@@ -210,9 +210,7 @@ def _part(part: Part, recipe: Recipe) -> Part:
 
 
 def _disable(entry: Entry) -> Entry:
-    if isinstance(entry, GraspPattern):
-        return replace(entry, grasp=replace(entry.grasp, is_enabled=False))
-    return replace(entry, is_enabled=False)
+    return with_grasp(entry, replace(grasp_of(entry), is_enabled=False))
 
 
 def _arm(arm: Arm, recipe: Recipe) -> Arm:

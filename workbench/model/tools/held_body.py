@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm, Cell, Finger, Tool
+from workbench.model.cell import Cell, Finger, Tool
 from workbench.model.geometry import Bools, Box, Floats, Mesh, Shape, Solid, Sphere
 from workbench.model.load import Loads, tool_load, uniform_load
 from workbench.model.messages.message import Message
@@ -244,11 +244,6 @@ def tool_problem(tool: Tool) -> Message | None:
     if len(tool.tcps) < 2:
         return None
     return Refusal.DROP_SEVERAL_TCPS(tool=tool.name, tcps=[tcp.name for tcp in tool.tcps])
-
-
-def arm_that_holds(cell: Cell, arm_name: str) -> Arm | None:
-    """The arm of that name; without a name the first one; None where there is none."""
-    return next((arm for arm in cell.arms if arm_name in ("", arm.name)), None)
 
 
 def _length(part: Part) -> float:

@@ -13,8 +13,6 @@ from workbench.model.scan import Detection, Obstacle
 from workbench.proof.claims.scene import turned_pieces
 from workbench.proof.engine.shapes import gap_of
 
-UP = np.array([0.0, 0.0, 1.0])
-
 STANDS = np.deg2rad(45.0)
 """[rad] A part that is round about an axis rolls where that leans by more than this."""
 

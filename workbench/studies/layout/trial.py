@@ -27,5 +27,4 @@ def takes_parts(cell: Cell) -> bool:
     if not pile:
         return False
     hasty = replace(cell, parts=parts, policy=replace(cell.policy, seconds=LONGEST_PLANNING))
-    result = plan_pick(hasty, pile, "")
-    return result.proof is not None and result.proof.holds
+    return plan_pick(hasty, pile, "").is_proven
