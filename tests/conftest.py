@@ -4,6 +4,7 @@ import ctypes
 import gc
 import os
 import platform
+import shutil
 from collections import defaultdict
 from collections.abc import Generator, Iterable
 from pathlib import Path
@@ -13,6 +14,7 @@ from hypothesis import HealthCheck, settings
 
 import workbench  # noqa: F401 - before NumPy is: it says which instructions that takes
 from workbench.cli import terminal
+from workbench.formats.files.shipped import find
 
 # How long an example takes is a matter of the machine; what is slow shows in the benchmarks.
 settings.register_profile("workbench", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -34,6 +36,13 @@ if platform.libc_ver()[0] == "glibc":
 terminal.LINE_EVERY = 3600.0
 
 HERE = Path(__file__).parent
+
+
+@pytest.fixture
+def cell_file(tmp_path: Path) -> Path:
+    """A copy of the shipped YuMi's cell file, which a test may write to."""
+    return Path(shutil.copytree(find("robots", "yumi"), tmp_path / "yumi")) / "cell.toml"
+
 
 LONGEST = (
     "packaging",

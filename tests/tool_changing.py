@@ -5,7 +5,6 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.model.cell import Cell
 from workbench.model.plan import Plan, PlanResult
-from workbench.proof.claims.prove import prove
 
 
 def changer_cell() -> Cell:
@@ -23,8 +22,3 @@ def change_plan(cell: Cell) -> Plan:
     plan = changed(cell).plan
     assert plan is not None
     return plan
-
-
-def objections(cell: Cell, plan: Plan) -> str:
-    """What the proof says against a plan, a line each."""
-    return "\n".join(map(str, prove(cell, plan.scene, plan).violations))

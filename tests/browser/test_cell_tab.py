@@ -1,7 +1,6 @@
 """The cell changed by hand in a real browser: jogging, gizmos, undo, save."""
 
 import math
-import shutil
 from functools import partial
 
 import numpy as np
@@ -14,18 +13,11 @@ from playwright.sync_api import expect
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.files.shipped import find
 from workbench.gui.cell.jogging import GIZMO as TOOL_GIZMO
 from workbench.gui.cell.panel import GIZMO
 from workbench.journal.journal import Journal
 from workbench.model.geometry import pose_from_rpy
 from workbench.planning.kinematics.chain import chain_of, is_solution
-
-
-@pytest.fixture
-def cell_file(tmp_path):
-    shutil.copytree(find("robots", "yumi"), tmp_path / "yumi")
-    return tmp_path / "yumi" / "cell.toml"
 
 
 @pytest.fixture

@@ -115,7 +115,7 @@ def states(cell: Cell, scan: Scan, detections, result: PlanResult) -> States:
         planned=planned,
         approved=approved,
         sending=sending,
-        done=replace(sending, phase=Phase.DONE, parts_placed=2),
+        done=replace(sending, phase=Phase.DONE, parts_placed=2, is_over=True),
         fault=replace(sending, phase=Phase.FAULT, fault="the controller closed the link"),
         planning=replace(localized, job=Job(7, "plan"), message="planning"),
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from idle import Idle
+from idle import done
 from waiting import PATIENCE
 
 from workbench.app.core.cell.changes import SaveCell, UndoCell
@@ -45,14 +45,6 @@ def bench(own):
     bench.close()
 
 
-@pytest.fixture
-def idle(tmp_path):
-    """A bench that begins nothing: a worker takes seconds to start."""
-    bench = Bench(read_cell("yumi"), Journal(tmp_path / "session"), effects=Idle)
-    yield bench
-    bench.close()
-
-
 def box(sides=(60, 30, 20)) -> np.ndarray:
     return np.frombuffer(trimesh.creation.box(sides).export(file_type="stl"), np.uint8)
 
@@ -82,12 +74,6 @@ def test_pieces_stick_out_by_what_they_fill():
 
 def meshed(body: trimesh.Trimesh) -> Mesh:
     return Mesh(body.vertices, body.faces)
-
-
-def done(bench):
-    state = bench.wait(lambda state: state.job is None, PATIENCE)
-    assert state.job is None
-    return state
 
 
 def test_a_file_becomes_a_part_that_is_scanned_saved_and_undone(bench, own):

@@ -1,13 +1,12 @@
 """A tool from CAD is carried by an arm, as a task, and a plan is made with it."""
 
-import shutil
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 from cad_tools import PALM, drawn_gripper, stl
-from idle import Idle
+from idle import done
 from waiting import PATIENCE
 
 from workbench.app.core.cell.changes import ChangeCell, SaveCell, UndoCell
@@ -33,23 +32,9 @@ from workbench.plugins.progress import never, silent
 
 
 @pytest.fixture
-def path(tmp_path):
-    shutil.copytree(find("robots", "yumi"), tmp_path / "yumi")
-    return tmp_path / "yumi" / "cell.toml"
-
-
-@pytest.fixture
-def bench(tmp_path, path):
-    machines = partial(EffectRunner, cell_file=path)
-    bench = Bench(read_cell(path), Journal(tmp_path / "session"), effects=machines)
-    yield bench
-    bench.close()
-
-
-@pytest.fixture
-def idle(tmp_path):
-    """A bench that begins nothing: a worker takes seconds to start."""
-    bench = Bench(read_cell("yumi"), Journal(tmp_path / "session"), effects=Idle)
+def bench(tmp_path, cell_file):
+    machines = partial(EffectRunner, cell_file=cell_file)
+    bench = Bench(read_cell(cell_file), Journal(tmp_path / "session"), effects=machines)
     yield bench
     bench.close()
 
@@ -65,14 +50,8 @@ def like_the_yumis():
     )
 
 
-def done(bench):
-    state = bench.wait(lambda state: state.job is None, PATIENCE)
-    assert state.job is None
-    return state
-
-
 @pytest.mark.extensive
-def test_a_drawn_gripper_is_carried_takes_a_part_and_is_saved(bench, tmp_path, path):
+def test_a_drawn_gripper_is_carried_takes_a_part_and_is_saved(bench, tmp_path, cell_file):
     before, arm = bench.state.cell, bench.state.cell.arms[0].name
     bench.do(AddTool(arm, like_the_yumis()), "ada")
     state = done(bench)
@@ -93,10 +72,12 @@ def test_a_drawn_gripper_is_carried_takes_a_part_and_is_saved(bench, tmp_path, p
     bench.do(SaveCell("another hand"), "ada")
     bench.wait(lambda state: state.saved == state.cell.digest, PATIENCE)
     assert bench.state.cell_problem == ""
-    again = read_cell(path).arm(arm)
+    again = read_cell(cell_file).arm(arm)
     assert [tool.name for tool in again.tools] == [before.arm(arm).tool.name, "drawn"]
     np.testing.assert_allclose(again.tool.T_flange_tcp.translation, (0, 0, 0.136), atol=1e-6)
-    assert all(file.parent == path.parent / "tools" for file in path.parent.rglob("drawn_*"))
+    assert all(
+        file.parent == cell_file.parent / "tools" for file in cell_file.parent.rglob("drawn_*")
+    )
 
     digest = bench.state.cell.digest
     bench.close()

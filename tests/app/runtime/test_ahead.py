@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from idle import done
 from patient import PATIENT
 from waiting import PATIENCE, wait_until
 
@@ -54,7 +55,7 @@ def bench(cell, controller, tmp_path):
         pile = drop_parts([cell.parts[0]] * 2, cell.bin, seed=3)
         made.do(UseDetections(pile), "ada")
         made.do(MakePlan("right", seed=3), "ada")
-        ended(made)
+        done(made)
         assert made.state.phase is Phase.PLANNED, made.state.message
         release(made)
         return made, robot
@@ -62,12 +63,6 @@ def bench(cell, controller, tmp_path):
     yield make
     for one in benches:
         one.close()
-
-
-def ended(made):
-    state = made.wait(lambda state: state.job is None, PATIENCE)
-    assert state.job is None
-    return state
 
 
 def release(made):
@@ -146,7 +141,7 @@ def test_a_robot_that_is_quicker_than_the_scanner_is_waited_for_by_nobody(bench)
     made.do(NEXT, "ada")
     # The robot is done in a fraction of a second, the search takes longer.
     assert end_of(made).phase is not Phase.FAULT
-    state = ended(made)
+    state = done(made)
     while state.phase is not Phase.PLANNED:
         state = made.wait(lambda state: state.phase is Phase.PLANNED, PATIENCE)
     assert state.plan.digest != first and state.plan.scan_digest == state.scan.digest

@@ -8,7 +8,6 @@ import pytest
 
 from workbench.cli.calibrating.calibrate import WRONG
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.files.shipped import find
 
 
 @pytest.fixture(scope="module")
@@ -19,12 +18,6 @@ def folder(tmp_path_factory):
     words = ["calibrate", "yumi", "--poses", str(folder), "--simulate", "--count", "6"]
     assert main(words) == 0
     return folder
-
-
-@pytest.fixture
-def cell_file(tmp_path):
-    shutil.copytree(find("robots", "yumi"), tmp_path / "yumi")
-    return tmp_path / "yumi" / "cell.toml"
 
 
 def test_a_simulated_mount_is_found_and_saved(say, folder, cell_file):

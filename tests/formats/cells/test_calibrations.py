@@ -29,44 +29,38 @@ SHIPPED = shipped("yumi")
 ARM = SHIPPED.arms[0]
 
 
-@pytest.fixture
-def path(tmp_path):
-    shutil.copytree(find("robots", "yumi"), tmp_path / "yumi")
-    return tmp_path / "yumi" / "cell.toml"
-
-
 def calibrated(cell, at=1_790_000_000.0, by="Anna"):
     T = pose_from_rpy((0.402, 0.012, 0.88), (3.1, 0.01, 1.5))
     record = CalibrationRecord(at, by, 8, 0.000123)
     return replace(cell, scanner=replace(cell.scanner, T_world_scanner=T, calibration=record))
 
 
-def test_a_calibration_is_written_into_the_cell_file_and_comments_stay(path):
-    before = path.read_text()
-    save_cell(path, calibrated(read_cell(path)))
-    text, record = path.read_text(), read_cell(path).scanner.calibration
+def test_a_calibration_is_written_into_the_cell_file_and_comments_stay(cell_file):
+    before = cell_file.read_text()
+    save_cell(cell_file, calibrated(read_cell(cell_file)))
+    text, record = cell_file.read_text(), read_cell(cell_file).scanner.calibration
     assert (record.at, record.by, record.poses) == (1_790_000_000.0, "Anna", 8)
     assert record.rms == pytest.approx(0.000123)
     assert 'at = "2026-09-21T14:13:20Z"' in text
     comments = [line for line in before.splitlines() if line.startswith("#")]
     assert all(comment in text for comment in comments)
-    again = calibrated(read_cell(path), by="Ben")
-    save_cell(path, again)
-    assert read_cell(path).scanner.calibration.by == "Ben"
-    assert path.read_text().count("[scanner.calibration]") == 1
+    again = calibrated(read_cell(cell_file), by="Ben")
+    save_cell(cell_file, again)
+    assert read_cell(cell_file).scanner.calibration.by == "Ben"
+    assert cell_file.read_text().count("[scanner.calibration]") == 1
 
 
-def test_how_sure_a_calibration_is_stays_with_the_cell_where_it_is_known(path):
-    cell = calibrated(read_cell(path))
+def test_how_sure_a_calibration_is_stays_with_the_cell_where_it_is_known(cell_file):
+    cell = calibrated(read_cell(cell_file))
     record = replace(cell.scanner.calibration, position_error=0.00042, angle_error=0.0003)
-    save_cell(path, replace(cell, scanner=replace(cell.scanner, calibration=record)))
-    kept = read_cell(path).scanner.calibration
+    save_cell(cell_file, replace(cell, scanner=replace(cell.scanner, calibration=record)))
+    kept = read_cell(cell_file).scanner.calibration
     assert kept.position_error == pytest.approx(0.00042)
     assert kept.angle_error == pytest.approx(0.0003, rel=1e-3)
-    save_cell(path, calibrated(read_cell(path), by="Ben"))
-    kept = read_cell(path).scanner.calibration
+    save_cell(cell_file, calibrated(read_cell(cell_file), by="Ben"))
+    kept = read_cell(cell_file).scanner.calibration
     assert (kept.position_error, kept.angle_error) == (None, None)
-    assert "sure_" not in path.read_text()
+    assert "sure_" not in cell_file.read_text()
 
 
 def test_a_record_without_them_has_the_digest_that_it_always_had():
@@ -76,12 +70,12 @@ def test_a_record_without_them_has_the_digest_that_it_always_had():
     assert digest_of(record) != digest_of(replace(record, position_error=0.001))
 
 
-def test_a_scanner_moved_by_hand_is_not_calibrated_any_more(path):
-    save_cell(path, calibrated(read_cell(path)))
-    cell = read_cell(path)
-    save_cell(path, move_frame(cell, SCANNER, pose_from_rpy((0.4, 0, 0.9), (3.1, 0, 1.5))))
-    assert read_cell(path).scanner.calibration is None
-    assert "calibration]" not in path.read_text()
+def test_a_scanner_moved_by_hand_is_not_calibrated_any_more(cell_file):
+    save_cell(cell_file, calibrated(read_cell(cell_file)))
+    cell = read_cell(cell_file)
+    save_cell(cell_file, move_frame(cell, SCANNER, pose_from_rpy((0.4, 0, 0.9), (3.1, 0, 1.5))))
+    assert read_cell(cell_file).scanner.calibration is None
+    assert "calibration]" not in cell_file.read_text()
 
 
 @pytest.mark.parametrize(
@@ -94,22 +88,22 @@ def test_a_scanner_moved_by_hand_is_not_calibrated_any_more(path):
         ('at = "2026-01-01"\nby = "A"\nposes = 8\nrms_mm = 0.1\nwho = 1', "who: is not known"),
     ],
 )
-def test_a_wrong_record_is_refused_with_its_place(path, record, problem):
-    path.write_text(path.read_text() + f"\n[scanner.calibration]\n{record}\n")
+def test_a_wrong_record_is_refused_with_its_place(cell_file, record, problem):
+    cell_file.write_text(cell_file.read_text() + f"\n[scanner.calibration]\n{record}\n")
     with pytest.raises(FileError, match=problem):
-        read_cell(path)
+        read_cell(cell_file)
 
 
-def test_a_folder_of_poses_comes_from_the_cell_file(path):
-    text = path.read_text()
-    path.write_text(text + '\n[detections]\nsource = "folder"\npath = "poses"\n')
-    assert read_cell(path).poses_folder.path == str(path.parent / "poses")
-    path.write_text(text + '\n[detections]\npath = "poses"\npart = "nut"\n')
+def test_a_folder_of_poses_comes_from_the_cell_file(cell_file):
+    text = cell_file.read_text()
+    cell_file.write_text(text + '\n[detections]\nsource = "folder"\npath = "poses"\n')
+    assert read_cell(cell_file).poses_folder.path == str(cell_file.parent / "poses")
+    cell_file.write_text(text + '\n[detections]\npath = "poses"\npart = "nut"\n')
     with pytest.raises(FileError, match=r"detections.part: is not one of keyed_cylinder"):
-        read_cell(path)
-    path.write_text(text + '\n[detections]\nsource = "mail"\npath = "poses"\n')
+        read_cell(cell_file)
+    cell_file.write_text(text + '\n[detections]\nsource = "mail"\npath = "poses"\n')
     with pytest.raises(FileError, match="'mail' is not one of folder"):
-        read_cell(path)
+        read_cell(cell_file)
 
 
 def scans(folder, count=3):
@@ -190,21 +184,21 @@ def test_no_folder_and_no_poses_are_refused(tmp_path):
         read_scanned_poses(tmp_path, SHIPPED)
 
 
-def test_the_covariance_stays_with_the_cell_and_one_that_is_none_is_refused(path):
-    cell = calibrated(read_cell(path))
+def test_the_covariance_stays_with_the_cell_and_one_that_is_none_is_refused(cell_file):
+    cell = calibrated(read_cell(cell_file))
     half = np.random.default_rng(0).normal(0, [3e-4] * 3 + [5e-4] * 3, (20, 6))
     covariance = np.cov(half.T)
     record = replace(cell.scanner.calibration, covariance=covariance)
-    save_cell(path, replace(cell, scanner=replace(cell.scanner, calibration=record)))
-    kept = read_cell(path).scanner.calibration.covariance
+    save_cell(cell_file, replace(cell, scanner=replace(cell.scanner, calibration=record)))
+    kept = read_cell(cell_file).scanner.calibration.covariance
     assert np.allclose(kept, covariance, rtol=1e-6, atol=0)
     assert digest_of(record) != digest_of(cell.scanner.calibration)
     first = str(float(f"{covariance[0, 0] * 1e6:.9g}"))
-    text = path.read_text()
+    text = cell_file.read_text()
     assert first in text
-    path.write_text(text.replace(first, f"-{first}"))
+    cell_file.write_text(text.replace(first, f"-{first}"))
     with pytest.raises(FileError, match=r"scanner.calibration.covariance: is none: along some"):
-        read_cell(path)
+        read_cell(cell_file)
 
 
 def test_a_plate_that_stands_is_of_the_arm_with_the_scanner_alone(tmp_path):

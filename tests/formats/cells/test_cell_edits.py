@@ -1,7 +1,6 @@
 """Changes of a cell go into its file, and everything else there stays."""
 
 import json
-import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -17,13 +16,6 @@ from workbench.formats.files.shipped import find
 from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
 
-
-@pytest.fixture
-def path(tmp_path):
-    shutil.copytree(find("robots", "yumi"), tmp_path / "yumi")
-    return tmp_path / "yumi" / "cell.toml"
-
-
 SHIPPED = shipped("yumi")
 
 
@@ -31,22 +23,22 @@ def near(T: pin.SE3, U: pin.SE3) -> bool:
     return np.allclose(T.homogeneous, U.homogeneous, atol=5e-6)
 
 
-def test_a_moved_bin_changes_one_line(path):
-    cell = read_cell(path)
+def test_a_moved_bin_changes_one_line(cell_file):
+    cell = read_cell(cell_file)
     T = pose_from_rpy((0.42, 0.01, -0.005))
-    save_cell(path, replace(cell, bin=replace(cell.bin, T_world_bin=T)))
+    save_cell(cell_file, replace(cell, bin=replace(cell.bin, T_world_bin=T)))
     before = (find("robots", "yumi") / "cell.toml").read_text().splitlines()
     changed = [
         (old, new)
-        for old, new in zip(before, path.read_text().splitlines(), strict=True)
+        for old, new in zip(before, cell_file.read_text().splitlines(), strict=True)
         if old != new
     ]
     assert changed == [("position_mm = [410, 0, -5]", "position_mm = [420, 10, -5]")]
-    assert read_cell(path).bin.T_world_bin.isApprox(T, 1e-9)
+    assert read_cell(cell_file).bin.T_world_bin.isApprox(T, 1e-9)
 
 
-def test_a_tcp_that_was_measured_anew_changes_its_lines(path):
-    cell = read_cell(path)
+def test_a_tcp_that_was_measured_anew_changes_its_lines(cell_file):
+    cell = read_cell(cell_file)
     T = pose_from_rpy((0.001, 0.0, 0.1415), (0.0, 0.0, -np.pi / 2))
 
     def longer(tool):
@@ -56,9 +48,9 @@ def test_a_tcp_that_was_measured_anew_changes_its_lines(path):
         replace(arm, tool=longer(arm.tool), tools=tuple(map(longer, arm.tools)))
         for arm in cell.arms
     )
-    save_cell(path, replace(cell, arms=arms))
-    assert "position_mm = [1, 0, 141.5]        # the finger tips" in path.read_text()
-    assert all(near(arm.tool.T_flange_tcp, T) for arm in read_cell(path).arms)
+    save_cell(cell_file, replace(cell, arms=arms))
+    assert "position_mm = [1, 0, 141.5]        # the finger tips" in cell_file.read_text()
+    assert all(near(arm.tool.T_flange_tcp, T) for arm in read_cell(cell_file).arms)
 
 
 @pytest.mark.parametrize(
@@ -68,12 +60,12 @@ def test_a_tcp_that_was_measured_anew_changes_its_lines(path):
         ({"lifts": ("leaning", "up")}, 'lifts = ["leaning", "up"]'),
     ],
 )
-def test_what_a_fix_changes_of_the_policy_is_written(path, change, line):
-    cell = read_cell(path)
+def test_what_a_fix_changes_of_the_policy_is_written(cell_file, change, line):
+    cell = read_cell(cell_file)
     changed = replace(cell, policy=replace(cell.policy, **change))
-    save_cell(path, changed)
-    assert line in path.read_text()
-    assert read_cell(path).digest == changed.digest
+    save_cell(cell_file, changed)
+    assert line in cell_file.read_text()
+    assert read_cell(cell_file).digest == changed.digest
 
 
 @settings(
@@ -86,8 +78,8 @@ def test_what_a_fix_changes_of_the_policy_is_written(path, change, line):
     rpy=st.tuples(st.floats(-3, 3), st.floats(-1.5, 1.5), st.floats(-3, 3)),
     turn=st.floats(-0.2, 0.2),
 )
-def test_whatever_can_be_moved_comes_back(path, xyz, rpy, turn):
-    cell = read_cell(path)
+def test_whatever_can_be_moved_comes_back(cell_file, xyz, rpy, turn):
+    cell = read_cell(cell_file)
     T = pose_from_rpy(xyz, rpy)
     right, left = cell.arms
     moved = replace(
@@ -101,8 +93,8 @@ def test_whatever_can_be_moved_comes_back(path, xyz, rpy, turn):
             replace(left, Ts_world_place=(*left.Ts_world_place[1:], T, T)),
         ),
     )
-    save_cell(path, moved)
-    again = read_cell(path)
+    save_cell(cell_file, moved)
+    again = read_cell(cell_file)
     assert near(again.bin.T_world_bin, T)
     assert near(again.scanner.T_world_scanner, T)
     assert near(again.fixtures[0].T_world_fixture, T)
@@ -111,27 +103,27 @@ def test_whatever_can_be_moved_comes_back(path, xyz, rpy, turn):
     assert near(again.arms[1].Ts_world_place[-1], T)
 
 
-def test_what_the_file_cannot_hold_is_refused_and_nothing_is_written(path):
-    cell, before = read_cell(path), path.read_bytes()
+def test_what_the_file_cannot_hold_is_refused_and_nothing_is_written(cell_file):
+    cell, before = read_cell(cell_file), cell_file.read_bytes()
     with pytest.raises(FileError, match="cannot be written into the file"):
-        save_cell(path, replace(cell, policy=replace(cell.policy, margin=0.02)))
+        save_cell(cell_file, replace(cell, policy=replace(cell.policy, margin=0.02)))
     with pytest.raises(FileError, match="names no part"):
-        save_cell(path, replace(cell, parts=()))
-    assert path.read_bytes() == before
-    assert [item.name for item in path.parent.iterdir() if "trial" in item.name] == []
+        save_cell(cell_file, replace(cell, parts=()))
+    assert cell_file.read_bytes() == before
+    assert [item.name for item in cell_file.parent.iterdir() if "trial" in item.name] == []
 
 
-def test_a_pose_that_is_the_same_writes_nothing(path):
-    before = path.read_bytes()
-    save_cell(path, read_cell(path))
-    assert path.read_bytes() == before
+def test_a_pose_that_is_the_same_writes_nothing(cell_file):
+    before = cell_file.read_bytes()
+    save_cell(cell_file, read_cell(cell_file))
+    assert cell_file.read_bytes() == before
 
 
-def test_the_log_tells_who_saved_what_and_why(path):
-    cell = read_cell(path)
-    log_change(path, cell, "Ada", 0.0, "moved the bin")
-    log_change(path, cell, "Bo", 86400.0, "and back")
-    first, second = map(json.loads, (path.parent / "changes.log").read_text().splitlines())
+def test_the_log_tells_who_saved_what_and_why(cell_file):
+    cell = read_cell(cell_file)
+    log_change(cell_file, cell, "Ada", 0.0, "moved the bin")
+    log_change(cell_file, cell, "Bo", 86400.0, "and back")
+    first, second = map(json.loads, (cell_file.parent / "changes.log").read_text().splitlines())
     assert (first["by"], first["at"], first["remark"]) == (
         "Ada",
         "1970-01-01T00:00:00Z",
@@ -140,20 +132,20 @@ def test_the_log_tells_who_saved_what_and_why(path):
     assert second["cell"] == cell.digest
 
 
-def test_identity_is_written_where_nothing_stood(path):
-    cell = read_cell(path)
+def test_identity_is_written_where_nothing_stood(cell_file):
+    cell = read_cell(cell_file)
     table = cell.fixtures[0]
     assert table.T_world_fixture.isApprox(pin.SE3.Identity())
     moved = replace(table, T_world_fixture=pose_from_rpy((0, 0, 0.01)))
-    save_cell(path, replace(cell, fixtures=(moved, *cell.fixtures[1:])))
-    assert read_cell(path).fixtures[0].T_world_fixture.translation[2] == pytest.approx(0.01)
+    save_cell(cell_file, replace(cell, fixtures=(moved, *cell.fixtures[1:])))
+    assert read_cell(cell_file).fixtures[0].T_world_fixture.translation[2] == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize("what", ["arms", "fixtures"])
-def test_arms_and_fixtures_can_neither_be_added_nor_taken_away(path, what):
-    before = path.read_text()
-    cell = read_cell(path)
+def test_arms_and_fixtures_can_neither_be_added_nor_taken_away(cell_file, what):
+    before = cell_file.read_text()
+    cell = read_cell(cell_file)
     for fewer in (getattr(cell, what)[1:], getattr(cell, what)[::-1] * 2):
         with pytest.raises(FileError, match="something was changed that cannot be written"):
-            save_cell(path, replace(cell, **{what: fewer}))
-    assert path.read_text() == before
+            save_cell(cell_file, replace(cell, **{what: fewer}))
+    assert cell_file.read_text() == before

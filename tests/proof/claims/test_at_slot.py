@@ -6,7 +6,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from bending import with_leg
-from tool_changing import change_plan, changer_cell, objections
+from bent_plans import objections
+from tool_changing import change_plan, changer_cell
 
 from workbench.app.empty_hand.tool_change import plan_tool_change
 from workbench.model.cell import Cell

@@ -1,7 +1,6 @@
 """Simulated checks of a scanner: an artefact of balls in the bin, and a tool that touches them."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -52,7 +51,6 @@ def simulated_balls(
     seed: int,
     joints: Mapping[str, float] | None = None,
     T_world_scanner: pin.SE3 | None = None,
-    scale: float = 0.0,
 ) -> Scan:
     """What the simulated scanner sees of an artefact in the bin.
 
@@ -62,7 +60,6 @@ def simulated_balls(
         seed: of its place, and of the noise.
         joints: name -> [rad, m] of the robot; None: at home.
         T_world_scanner: where the scanner truly is; None: as the cell has it.
-        scale: error of its lengths: 0.001 makes them 0.1 % longer.
     """
     scene = cell_scene(cell, Kinematics(cell).link_poses(joints or {}))
     balls = ball_solids(artefact.centres, artefact.radius)
@@ -71,8 +68,7 @@ def simulated_balls(
     if T is None:
         q = () if carrier is None or not joints else [joints[name] for name in carrier.joints]
         T = scanner_pose(cell, np.array(q)) if len(q) else cell.scanner.T_world_scanner
-    scan = scan_scene(cell, scene, seed=seed, T_world_scanner=T)
-    return replace(scan, points=scan.points * (1 + scale)) if scale else scan
+    return scan_scene(cell, scene, seed=seed, T_world_scanner=T)
 
 
 def touching_joints(

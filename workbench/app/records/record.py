@@ -14,7 +14,7 @@ from typing import Any
 from workbench import __version__
 from workbench.app.core import commands
 from workbench.app.core.command import Command, Entry
-from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.jobs import JobEnded, TaskResult
 from workbench.app.core.cycle.scanning import UseObservations
 from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import State
@@ -30,18 +30,6 @@ from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Detection, Scan
-
-Result = (
-    Scan
-    | tuple[Detection, ...]
-    | PlanResult
-    | PlateObservation
-    | BallScan
-    | Part
-    | Tool
-    | Emptying
-    | WorkbenchError
-)
 
 SESSION = "Session"
 SESSION_FORMAT = "workbench-session/1"
@@ -243,7 +231,7 @@ def check_session(kind: str, body: bytes, cell: Cell) -> None:
         )
 
 
-def _result_form(result: Result) -> Any:
+def _result_form(result: TaskResult) -> Any:
     if isinstance(result, WorkbenchError):
         error = {"type": type(result).__name__, "text": str(result)}
         return {"error": {**error, "said": result.message.form}}
@@ -257,7 +245,7 @@ def _command(kind: str, form: Any, read: ReadFile) -> Command:
     return restore_value(COMMANDS[kind], form, read)
 
 
-def _result(form: Mapping[str, Any], read: ReadFile) -> Result:
+def _result(form: Mapping[str, Any], read: ReadFile) -> TaskResult:
     ((kind, content),) = form.items()
     if kind == "error":
         cancelled = content["type"] == JobCancelled.__name__

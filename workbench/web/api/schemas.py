@@ -29,6 +29,12 @@ def many(schema: Schema) -> Schema:
     return {"type": "array", "items": schema}
 
 
+def row_of(count: int, schema: Schema, says: str = "") -> Schema:
+    """A list of exactly so many."""
+    described = {"description": says} if says else {}
+    return {"type": "array", **described, "items": schema, "minItems": count, "maxItems": count}
+
+
 def record(**properties: Schema) -> Schema:
     """An object with exactly these keys."""
     return {
@@ -49,14 +55,8 @@ def by_name(schema: Schema) -> Schema:
     return {"type": "object", "additionalProperties": schema}
 
 
-POSE: Schema = {
-    "type": "array",
-    "description": "rows of a homogeneous matrix [m]",
-    "items": {"type": "array", "items": NUMBER, "minItems": 4, "maxItems": 4},
-    "minItems": 4,
-    "maxItems": 4,
-}
-POINT: Schema = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
+POSE = row_of(4, row_of(4, NUMBER), "rows of a homogeneous matrix [m]")
+POINT = row_of(3, NUMBER)
 
 SAID = record(id=TEXT, args={"type": "object"}, text=TEXT)
 """A message: its id and arguments, see messages.html of the site, and its English text."""
@@ -241,13 +241,11 @@ SCAN = record(
         )
     ),
 )
-COVARIANCE: Schema = {
-    "type": "array",
-    "description": "of shifts of the part's origin [m] and turns about it [rad], world axes",
-    "items": {"type": "array", "items": NUMBER, "minItems": 6, "maxItems": 6},
-    "minItems": 6,
-    "maxItems": 6,
-}
+COVARIANCE = row_of(
+    6,
+    row_of(6, NUMBER),
+    "of shifts of the part's origin [m] and turns about it [rad], world axes",
+)
 DETECTIONS = many(
     beside(
         record(

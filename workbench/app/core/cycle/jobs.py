@@ -24,31 +24,30 @@ from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Detection, Scan
 
+TaskResult = (
+    Scan
+    | tuple[Detection, ...]
+    | PlanResult
+    | PlateObservation
+    | BallScan
+    | Part
+    | Tool
+    | Emptying
+    | WorkbenchError
+)
+"""What a task brings, or the error that ended it."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JobEnded(Command):
-    """The worker finished job `number`.
-
-    `result` is the result of the job, of a type that depends on its kind, or the error that ended
-    it.
-    """
+    """The worker finished job `number`."""
 
     right: ClassVar[Right] = Right(
         CommandText.JOB_ENDED, EVERY_PHASE, beside_job=True, by_machine=True
     )
 
     number: int
-    result: (
-        Scan
-        | tuple[Detection, ...]
-        | PlanResult
-        | PlateObservation
-        | BallScan
-        | Part
-        | Tool
-        | Emptying
-        | WorkbenchError
-    )
+    result: TaskResult
 
     def apply(self, state: State, entry: Entry) -> Decision:
         match self.result:
