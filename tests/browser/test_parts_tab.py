@@ -138,3 +138,28 @@ def test_a_file_that_is_no_scan_is_refused_in_words(screen, bench, tmp_path):
     chooser.value.set_files(tmp_path / "picture.ply")
     screen.wait_for("is neither a PLY nor a PCD file")
     assert bench.state.phase == "idle"
+
+
+@pytest.mark.extensive
+def test_why_a_part_is_left_is_read_after_one_press_and_no_row_moves(screen, reaches, wait):
+    for step, phase in (("Scan", "scanned"), ("Find parts", "localized"), ("Plan", "planned")):
+        screen.press(step)
+        reaches(phase)
+    page, height = screen.page, screen.page.viewport_size["height"]
+    screen.tab("Parts")
+    fate = page.locator(".wb-fate:visible").last
+    fate.wait_for()
+    box = fate.bounding_box()
+    assert box["y"] > 0 and box["y"] + box["height"] < height
+
+    screen.tab("Candidates")
+    refused = page.locator(".wb-table:visible tbody .wb-refused").first
+    refused.scroll_into_view_if_needed()
+    before = refused.bounding_box()
+    refused.click()
+    reason = page.get_by_text("Where it failed").locator("visible=true").first
+    reason.wait_for()
+    assert refused.bounding_box()["y"] == before["y"]
+    read = reason.bounding_box()
+    assert read["y"] + read["height"] < height
+    assert screen.errors == []
