@@ -212,12 +212,16 @@ def test_a_button_of_the_card_that_is_pressed_stays_under_the_pointer(new_contex
     everything = ["scan", "find", "plan", "preview", "approve", "send"]
     shell.hear({**IDLE, "tour": everything})
     expect(page.locator("#title")).to_have_text("That was a pick")
+    legend = page.frame_locator("#scene").locator(".wb-mode")
+    legend.evaluate("one => { one.style.width = '10rem'; }")
+    expect(card).to_have_attribute("data-flat", "true")
+    # The card glides to its place.
+    page.wait_for_timeout(600)
     close = page.get_by_role("button", name="Close").bounding_box()
     page.mouse.move(close["x"] + 5, close["y"] + 5)
     page.mouse.down()
-    # The legend gets wider, and the card with it narrower and higher.
-    mode = page.frame_locator("#scene").locator(".wb-mode b")
-    mode.evaluate("one => { one.textContent = 'Live '.repeat(60) }")
+    # The legend gets wider: the card would go to the other side, below it.
+    legend.evaluate("one => { one.style.width = '60vw'; }")
     page.wait_for_timeout(600)
     page.mouse.up()
     expect(card).to_be_hidden()
