@@ -34,7 +34,7 @@ def save_cell(path: Path, cell: Cell) -> None:
     """Write into a cell file what a cell has otherwise than the file.
 
     Which parts it picks, poses of robot, bin, regions, scanner and fixtures, the scanner's
-    calibration, pose on its arm, unit, axes and range, sizes of the bin, homes, places and the
+    calibration, pose on its arm, unit, axes and range, sizes and walls of bins, homes, places and
     tools of the arms, TCPs of tools, tools that are new or gone, and of the policy the lifts and
     the margin of straight legs can be written; the file is left as it is when anything else
     differs.
@@ -94,12 +94,13 @@ def _names(cell: Cell) -> list[list[str]]:
 
 
 def _bin_as(mine: Bin, other: Bin) -> Bin:
-    """A bin where the other is, of its size, with its regions there."""
+    """A bin where the other is, of its size, with its regions there, and walls or none."""
     regions = tuple(
         replace(region, T_bin_region=moved.T_bin_region)
         for region, moved in zip(mine.regions, other.regions, strict=True)
     )
-    return replace(mine, T_world_bin=other.T_world_bin, size=other.size, regions=regions)
+    size, walls = other.size, other.has_walls
+    return replace(mine, T_world_bin=other.T_world_bin, size=size, regions=regions, has_walls=walls)
 
 
 def _is_same(cell: Cell, other: Cell) -> bool:
@@ -184,6 +185,8 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
     boxes = document["bin"] if isinstance(document["bin"], list) else [document["bin"]]
     for box, was, now in zip(boxes, old.bins, new.bins, strict=True):
         edit_pose(box, was.T_world_bin, now.T_world_bin)
+        if was.has_walls != now.has_walls:
+            box["walls"] = now.has_walls
         if not np.array_equal(was.size, now.size):
             box["size_mm"] = millimetres(now.size)
         regions = zip(box.get("region", []), was.regions, now.regions, strict=True)
