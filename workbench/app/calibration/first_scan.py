@@ -1,6 +1,6 @@
 """A scan of a scanner that nobody has prepared: what in it does not fit the cell, and the keys."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,12 +14,12 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, pose_from_rpy, shift_and_turn
 from workbench.model.messages.calibration import FirstScanText
 from workbench.model.messages.message import Message
-from workbench.model.part import Bin
+from workbench.model.part import Bin, Part
 from workbench.model.scan import Scan
 from workbench.perception.bins.bin_fit import fit_bin
 from workbench.perception.bins.bin_measure import measure_bin
 from workbench.perception.bins.bin_search import FoundBin, find_bin
-from workbench.perception.bins.floor_search import find_floor
+from workbench.perception.bins.lying import Lying, find_lying
 from workbench.perception.scene.sensor import sensor_model
 
 FITTING = 0.5
@@ -51,8 +51,9 @@ class FirstScan:
     `mount` is the cell's with what fits the scan better.  `fitting` is the share of the points
     that lie where the scanner measures, `noise` [m] their deviation at 1 m or None.  `found` is
     the bin, `bin` the cell's with the size that is seen where it is another one.  `shift` [m] and
-    `turn` [rad] are how far the proposed pose is from the cell's.  `says` is what is not as the
-    cell has it, one sentence each, with the key to change.
+    `turn` [rad] are how far the proposed pose is from the cell's.  `surface` is the bin without
+    walls, as large as what lies there, where parts and no rim are seen.  `says` is what is not as
+    the cell has it, one sentence each, with the key to change.
     """
 
     mount: ScannerMount
@@ -63,9 +64,19 @@ class FirstScan:
     shift: float
     turn: float
     says: tuple[Message, ...]
+    surface: Bin | None = None
 
 
-def first_scan(path: Path, content: bytes, mount: ScannerMount, bin: Bin) -> FirstScan:
+def largest_of(parts: Sequence[Part]) -> float:
+    """Diameter of the largest of some parts [m]; 0 of none."""
+    meshes = [part.mesh for part in parts]
+    reaches = [np.linalg.norm(mesh.points - mesh.middle, axis=1).max() for mesh in meshes]
+    return 2 * float(max(reaches, default=0.0))
+
+
+def first_scan(
+    path: Path, content: bytes, mount: ScannerMount, bin: Bin, *, largest: float = 0.0
+) -> FirstScan:
     """Look at a scan as if nothing of its file were known.
 
     Args:
@@ -73,10 +84,12 @@ def first_scan(path: Path, content: bytes, mount: ScannerMount, bin: Bin) -> Fir
         content: of the file, PLY or PCD.
         mount: the scanner as the cell has it.
         bin: that it looks at.
+        largest: [m] diameter of the largest part that may lie there; planes as small are no floor.
 
     Raises:
         FileError: it is no cloud, or an empty one.
-        InputError: in no unit does it lie where the scanner measures.
+        InputError: in no unit does it lie where the scanner measures, or its origin is at the
+            floor.
     """
     stated, stated_bin, points = mount, bin, points_of(path, content)
     unit, axes, fitting = _guess(points, mount)
@@ -91,10 +104,11 @@ def first_scan(path: Path, content: bytes, mount: ScannerMount, bin: Bin) -> Fir
     scan = turned_to_camera(Scan(points * UNITS[unit], mount.T_world_scanner, path.name), axes)
     noise = sensor_model(scan.points).noise
     found, bin = _bin_in(scan, stated_bin)
-    T_scanner_bin, floor = found.T_scanner_bin, None
+    T_scanner_bin, lying = found.T_scanner_bin, None
     if T_scanner_bin is None and not _is_over_floor(scan, bin, noise):
-        floor = find_floor(scan.points)
-        T_scanner_bin = None if floor is None else _bin_on(*floor, bin)
+        lying = find_lying(scan.points, largest)
+        _check_height(path, lying)
+        T_scanner_bin = None if lying is None else _bin_on(lying, bin)
     T_world_scanner = mount.T_world_scanner
     if T_scanner_bin is not None:
         length, width = bin.size[:2]
@@ -111,8 +125,9 @@ def first_scan(path: Path, content: bytes, mount: ScannerMount, bin: Bin) -> Fir
     if mount.calibration is None:
         proposed = replace(proposed, T_world_scanner=T_world_scanner)
     seen = replace(scan, T_world_scanner=T_world_scanner)
-    first = FirstScan(proposed, fitting, noise, found, bin, shift, turn, ())
-    return replace(first, says=tuple(_says(first, seen, stated, stated_bin, floor)))
+    surface = None if lying is None or mount.calibration else _surface(lying, bin)
+    first = FirstScan(proposed, fitting, noise, found, bin, shift, turn, (), surface)
+    return replace(first, says=tuple(_says(first, seen, stated, stated_bin, lying)))
 
 
 def _bin_in(scan: Scan, bin: Bin) -> tuple[FoundBin, Bin]:
@@ -172,10 +187,33 @@ def _is_over_floor(scan: Scan, bin: Bin, noise: float | None) -> bool:
     return fit_bin(scan.points, T_bin_scanner, bin, noise=noise or 0.0).is_floor_seen
 
 
-def _bin_on(T_scanner_floor: pin.SE3, sides: Floats, bin: Bin) -> pin.SE3:
-    """The bin in the middle of what is seen over a floor, its longer side along the longer one."""
-    is_across = (sides[0] > sides[1]) != (bin.size[0] > bin.size[1])
-    return T_scanner_floor * pose_from_rpy((0, 0, 0), (0, 0, np.pi / 2 if is_across else 0.0))
+def _check_height(path: Path, lying: Lying | None) -> None:
+    """Refuse a cloud of another frame than its scanner's: its origin is at the floor.
+
+    Raises:
+        InputError: a scanner there would measure nothing.
+    """
+    if lying is not None and lying.is_floor_seen:
+        height = float(lying.T_scanner_region.inverse().translation[2])
+        if height < NEAREST_RANGE:
+            raise InputError(FirstScanText.AT_FLOOR(path=str(path), height=height))
+
+
+def _is_across(lying: Lying, bin: Bin) -> bool:
+    """Whether parts lie along the bin's shorter side, where x is as in the scanner's picture."""
+    return bool((lying.size[0] > lying.size[1]) != (bin.size[0] > bin.size[1]))
+
+
+def _bin_on(lying: Lying, bin: Bin) -> pin.SE3:
+    """The bin in the middle of what lies on a floor, its longer side along the longer one."""
+    yaw = np.pi / 2 if _is_across(lying, bin) else 0.0
+    return lying.T_scanner_region * pose_from_rpy((0, 0, 0), (0, 0, yaw))
+
+
+def _surface(lying: Lying, bin: Bin) -> Bin:
+    """A floor without walls, of the size of what lies on it."""
+    size = lying.size[[1, 0, 2]] if _is_across(lying, bin) else lying.size
+    return replace(bin, size=size, has_walls=False)
 
 
 def _says(
@@ -183,7 +221,7 @@ def _says(
     scan: Scan,
     mount: ScannerMount,
     bin: Bin,
-    floor: tuple[pin.SE3, Floats] | None,
+    lying: Lying | None,
 ) -> Iterator[Message]:
     proposed, found = first.mount, first.found
     if proposed.near != mount.near or proposed.far != mount.far:
@@ -193,9 +231,12 @@ def _says(
         yield FirstScanText.UNIT(unit=proposed.unit)
     if proposed.cloud_axes != mount.cloud_axes:
         yield FirstScanText.AXES(axes=proposed.cloud_axes, was=mount.cloud_axes)
-    if floor is not None:
-        length, width = map(float, np.sort(floor[1])[::-1])
-        yield FirstScanText.FLOOR_ALONE(length=length, width=width)
+    if lying is not None:
+        length, width = map(float, np.sort(lying.size[:2])[::-1])
+        if lying.is_floor_seen:
+            yield FirstScanText.FLOOR_ALONE(length=length, width=width)
+        else:
+            yield FirstScanText.NO_FLOOR(length=length, width=width, below=lying.below)
         return
     if not bin.has_walls:
         yield FirstScanText.NO_WALLS()

@@ -24,7 +24,8 @@ class ScannerFit:
     """Write unit, axes and range into the cell file and, if nobody has calibrated the scanner, its
     pose."""
     bin: bool = False
-    """With --write: write the bin's size as well, where another bin than the cell's is seen."""
+    """With --write: write the size of another bin that is seen, or a bin without walls around the
+    parts where no rim is seen."""
     json: Json = False
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.calibration.calibration import check_stands
-from workbench.app.calibration.first_scan import FirstScan, first_scan
+from workbench.app.calibration.first_scan import FirstScan, first_scan, largest_of
 from workbench.cli.arguments import scanner as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json
@@ -24,12 +24,16 @@ def fit(typed: arguments.ScannerFit) -> int:
     cell = read_cell(typed.cell)
     check_stands(cell)
     cloud = read_whole(typed.scan, LARGEST_FILE)
-    seen = first_scan(typed.scan, cloud, cell.scanner, cell.bin)
+    largest = largest_of(cell.parts)
+    seen = first_scan(typed.scan, cloud, cell.scanner, cell.bin, largest=largest)
+    surface = seen.surface
     if typed.write:
-        cell = replace(cell, scanner=seen.mount, bin=seen.bin if typed.bin else cell.bin)
+        cell = replace(
+            cell, scanner=seen.mount, bin=(surface or seen.bin) if typed.bin else cell.bin
+        )
         save_cell(cell_path(typed.cell), cell)
         # What is said from here on is what the written keys do not mend.
-        seen = first_scan(typed.scan, cloud, cell.scanner, cell.bin)
+        seen = first_scan(typed.scan, cloud, cell.scanner, cell.bin, largest=largest)
     form = _form(seen)
     if typed.json:
         print_json({**form, "written": typed.write})
@@ -42,7 +46,10 @@ def fit(typed: arguments.ScannerFit) -> int:
         if typed.write:
             print(f"written into {cell_path(typed.cell)}")
             scan = shlex.quote(str(typed.scan))
-            print(f"next: `workbench localize {typed.cell} --scan {scan} --out poses.json`")
+            if surface is not None and not typed.bin:
+                print(f"next: `workbench scanner fit {scan} --cell {typed.cell} --write --bin`")
+            else:
+                print(f"next: `workbench localize {typed.cell} --scan {scan} --out poses.json`")
     return NO_PLAN if seen.says else SUCCESS
 
 

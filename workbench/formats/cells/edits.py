@@ -36,7 +36,7 @@ def save_cell(path: Path, cell: Cell) -> None:
     If anything other than these differs, the file stays unchanged:
 
     - the parts that the cell picks;
-    - poses of robot, bin, regions, scanner and fixtures, and sizes of the bin;
+    - poses of robot, bin, regions, scanner and fixtures, sizes and walls of bins;
     - the scanner's calibration, pose on its arm, unit, axes and range;
     - homes, places and tools of the arms, TCPs, and new or removed tools;
     - of the policy: the lifts and the margin of linear motions.
@@ -101,7 +101,8 @@ def _bin_as(mine: Bin, other: Bin) -> Bin:
         replace(region, T_bin_region=moved.T_bin_region)
         for region, moved in zip(mine.regions, other.regions, strict=True)
     )
-    return replace(mine, T_world_bin=other.T_world_bin, size=other.size, regions=regions)
+    size, walls = other.size, other.has_walls
+    return replace(mine, T_world_bin=other.T_world_bin, size=size, regions=regions, has_walls=walls)
 
 
 def _is_same(cell: Cell, other: Cell) -> bool:
@@ -186,6 +187,8 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
     boxes = document["bin"] if isinstance(document["bin"], list) else [document["bin"]]
     for box, was, now in zip(boxes, old.bins, new.bins, strict=True):
         edit_pose(box, was.T_world_bin, now.T_world_bin)
+        if was.has_walls != now.has_walls:
+            box["walls"] = now.has_walls
         if not np.array_equal(was.size, now.size):
             box["size_mm"] = millimetres(now.size)
         regions = zip(box.get("region", []), was.regions, now.regions, strict=True)

@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from workbench.formats.clouds.scans import points_of
 from workbench.formats.files.reader_process import Answer, apart
 from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, read_whole
-from workbench.formats.meshes.reading import LARGEST_MESH, bare_collada, read_mesh
+from workbench.formats.meshes.cloud_surface import surface_through
+from workbench.formats.meshes.reading import LARGEST_MESH, EmptyMesh, bare_collada, read_mesh
 from workbench.formats.meshes.repair import joined_corners, shells_of
 from workbench.formats.meshes.step_files import converted_step, stated_unit
 from workbench.model.errors import FileError
@@ -24,7 +26,7 @@ STEP_KINDS = (".step", ".stp")
 SCENES = (".3mf", ".dae", ".glb", ".gltf", *STEP_KINDS)
 """Formats whose bodies have names, and that say in which unit they are."""
 
-MESH_ENDINGS = (".stl", ".obj", ".ply", *SCENES)
+MESH_ENDINGS = (".stl", ".obj", ".ply", ".pcd", *SCENES)
 ZIPPED = (".zip", ".zae")
 
 MOST_TRIANGLES = 4_000_000
@@ -158,8 +160,27 @@ def _in_unit(body: CadBody, unit: float) -> CadBody:
 
 def _read_unnamed(path: Path) -> CadBody:
     # Bounded as if it were in millimetres: the unit is looked at later.
-    mesh = read_mesh(path, 0.001, most=MOST_TRIANGLES)
+    if path.suffix.lower() == ".pcd":
+        return _read_points(path)
+    try:
+        mesh = read_mesh(path, 0.001, most=MOST_TRIANGLES)
+    except EmptyMesh:
+        if path.suffix.lower() != ".ply":
+            raise
+        return _read_points(path)
     return CadBody(path.stem, Mesh(mesh.points * 1000, mesh.triangles), np.eye(4))
+
+
+def _read_points(path: Path) -> CadBody:
+    """A model that is a cloud.
+
+    Raises:
+        FileError: it cannot be read, or no surface passes its points.
+    """
+    mesh = surface_through(points_of(path, read_whole(path, LARGEST_MESH)))
+    if mesh is None:
+        raise FileError(path, FileProblem.NO_SURFACE())
+    return CadBody(path.stem, mesh, np.eye(4))
 
 
 def _scene(path: Path, scale: float | None) -> tuple[list[CadBody], float]:

@@ -104,7 +104,9 @@ def fitted_scanner(
         InputError: it lies where no scanner measures.
         JobCancelled: it was cancelled.
     """
-    about = canonical(cell.scanner), canonical(cell.bin)
+    from workbench.app.calibration.first_scan import largest_of  # heavy, and seldom needed
+
+    about = canonical(cell.scanner), canonical(cell.bin), largest_of(cell.parts)
     return _read(FittedScanner, name, content, fit_to_file, *about, cancelled=cancelled)
 
 
@@ -126,15 +128,15 @@ def poses_in_file(file: Path, part: str) -> Answer:
     return _make_answer(read_poses(file, part))
 
 
-def fit_to_file(file: Path, mount: Any, bin: Any) -> Answer:
-    """As `fitted_scanner`; mount and bin are in canonical form."""
+def fit_to_file(file: Path, mount: Any, bin: Any, largest: float) -> Answer:
+    """As `fitted_scanner`; mount and bin are in canonical form, the largest part in metres."""
     from workbench.app.calibration.first_scan import first_scan  # heavy, and seldom needed
 
     seen = restore_value(ScannerMount, mount, _nothing), restore_value(Bin, bin, _nothing)
     content = read_whole(file, LARGEST_FILE)
-    fitted = first_scan(file, content, *seen)
+    fitted = first_scan(file, content, *seen, largest=largest)
     # What is said from here on is what that does not mend.
-    left = first_scan(file, content, fitted.mount, fitted.bin).says
+    left = first_scan(file, content, fitted.mount, fitted.bin, largest=largest).says
     return _make_answer(FittedScanner(fitted.mount, fitted.bin, left))
 
 

@@ -173,8 +173,16 @@ class FirstScanText(Text, subject="first-scan"):
     UNIT = 'the cloud is in {unit}: unit = "{unit}" in [scanner]'
     AXES = 'the cloud has other axes: cloud_axes = "{axes}" in [scanner] instead of {was}'
     FLOOR_ALONE = (
-        "no rim of the cell's bin is visible, but a floor with things of {length:mm0} x "
-        "{width:mm0} on it: the scanner's pose is that over the floor"
+        "no rim is visible, but a floor: parts lie on {length:mm0} x {width:mm0}; --bin writes a "
+        "bin of that size without walls"
+    )
+    AT_FLOOR = (
+        "{path}: the floor is {height:mm0} from the cloud's origin, so the origin is not the "
+        "scanner: export the points in the scanner's frame"
+    )
+    NO_FLOOR = (
+        "neither rim nor floor is visible: the floor is assumed {below:mm0} below the parts, which "
+        "lie on {length:mm0} x {width:mm0}; --bin writes it, without walls"
     )
     NO_WALLS = (
         "the cell's bin has no walls, so no rim shows the scanner's pose: calibrate the scanner, "

@@ -48,6 +48,10 @@ class FileProblem(Text, subject="file-problem"):
     HOLDS_USERS = "the backup holds users: restore it from a shell"
 
     NO_TRIANGLES = "holds no triangles"
+    NO_SURFACE = (
+        "holds points that no surface joins; make the model of several scans "
+        "(`workbench part from-scans`)"
+    )
     TRIANGLES = "has {count} triangles, {most} are allowed"
     EXPORT = "has {count} triangles: export it with {most} at most"
     EXPORT_OPEN = (
