@@ -30,7 +30,7 @@ def many(schema: Schema) -> Schema:
 
 
 def row_of(count: int, schema: Schema, says: str = "") -> Schema:
-    """A list of exactly so many."""
+    """A list of exactly `count` values."""
     described = {"description": says} if says else {}
     return {"type": "array", **described, "items": schema, "minItems": count, "maxItems": count}
 
