@@ -2,13 +2,13 @@
 
     controller  send                            As in `abb-socket`, on every new connection.
     we          hello abb-socket/2              A client of the older protocol sends `startR#`.
-    controller  hello abb-socket/2 <arms>.
+    controller  hello abb-socket/2 <arms>
     we          plan, ticket, start..., leg, to...    Each is acknowledged before the next.
     we          end, run                        From here on the robot moves.
     controller  state, at                       Sent repeatedly.
     we          next                            Allows a step, when a plan is sent step by step.
     controller  part                            Once for each hand that releases a part.
-    controller  done.
+    controller  done
 
 While the robot moves, we send `ping`.  A side that receives nothing for its patience takes the link
 for dead: we stop, and so does the controller.  `abort` may be sent at any time.
