@@ -230,11 +230,11 @@ class Policy:
 
     `margin` is that of free legs, `near_margin` that of the tool on linear legs, `self_margin` that
     between links of one arm.  `lift_length` and `lift_lean` shape the extraction: up, leaning to
-    the bin centre.  `sink` is the largest penetration of a found part into its support.  The part
-    may slide along its support for `release` of its lift; then it keeps `near_margin`.  `speed`
-    scales joint speeds.  `zone` is the largest corner rounding, as a fraction of the shorter
-    neighbouring segment (`Cell.zone`).  `planner` (`plugins.planner`) searches the free legs, with
-    `iterations` a call; `birrt` is the thesis' name for `rrtconnect`.  `seconds` [s] limits the
+    the bin centre.  `sink` is the largest penetration of a found part into its support; deeper is a
+    wrong pose.  The part may slide along its support for `release` of its lift; then it keeps
+    `near_margin`.  `speed` scales joint speeds.  `zone` is the largest corner rounding, as a
+    fraction of the shorter neighbouring segment (`Cell.zone`).  `planner` (`plugins.planner`)
+    searches the free legs, with `iterations` a call; `birrt` is the thesis' name for `rrtconnect`.  `seconds` [s] limits the
     processor time of a planning.  `order` is the order of parts: by least time, height, score,
     distance to the tool, distance to the walls, or the thesis' rules (`planning.picking.order`).
     `metric` weighs the joints in the planners' distance: each counts this fraction of the one

@@ -154,7 +154,7 @@ def test_after_a_hand_was_seen_empty_what_the_other_has_placed_stays_taken(cell,
     line.state = state
     assert left_pile(line.state, TakeScan(parts=3, stays=True)).left == 1
     line.do(ConfirmHandsEmpty("right"))
-    assert left_pile(line.state, TakeScan(parts=3, stays=True)).left == 2
+    assert left_pile(line.state, TakeScan(parts=3, stays=True)).left == 1
 
 
 def test_a_plan_that_was_never_sent_leaves_no_hand_open(cell, samples):

@@ -150,7 +150,7 @@ def test_a_kind_that_the_cell_has_lost_since_is_dropped_back_by_no_plan(cell, sa
     short = replace(peg, mesh=scale_mesh(peg.mesh, 0.5, np.zeros(3)))
     line.do(ChangeCell(replace(cell, parts=(short,)), "a shorter peg"))
     line.joints = cell.joint_values({arm.name: arm.home for arm in cell.arms})
-    assert "kind that the cell no longer has" in refused(line, PlanDropBack("one"))
+    assert "longer or heavier part than the cell has" in refused(line, PlanDropBack("one"))
     line.do(ChangeCell(cell, "the peg again"))
     assert line.do(PlanDropBack("one")).job is not None
 
@@ -177,3 +177,22 @@ def test_a_simulated_part_of_a_row_that_broke_off_lies_in_the_bin_and_those_befo
         pile=SimulatedPile(0, 3, "", line.state.cell.bin.name),
     )
     assert left_pile(line.state, TakeScan(parts=3, stays=True)).left == 2
+
+
+def test_a_sending_that_breaks_off_at_once_leaves_the_longer_part_of_before_in_the_hand(
+    cell, samples
+):
+    line = Line(cell)
+    send(line, samples)
+    line.do(LinkEnded("stopped by ada"))
+    line.do(AcknowledgeFault())
+    longest = line.state.largest_sent
+    peg = cell.parts[0]
+    short = replace(peg, mesh=scale_mesh(peg.mesh, 0.5, np.zeros(3)))
+    shorter = replace(cell, parts=(short,))
+    line.do(ChangeCell(shorter, "a shorter peg"))
+    send(line, Samples(shorter))
+    assert line.state.largest_sent == longest
+    line.do(LinkEnded(parts_placed=1))
+    send(line, Samples(shorter))
+    assert line.state.largest_sent[0] < longest[0]

@@ -121,6 +121,8 @@ def test_people_may_approve_all_the_same(planned):
 
 def test_an_option_makes_a_controller_of_poses_and_others_are_refused():
     assert not controller_by("pick-server").motion.sends_poses
-    assert controller_by("pick-server", options={"poses": "kuka"}).motion.sends_poses
+    by_poses = controller_by("pick-server", options={"poses": "kuka"}).motion
+    # The robot's own program sets the speed: nobody is offered a slower one.
+    assert by_poses.sends_poses and not by_poses.takes_share
     with pytest.raises(InputError, match="poses"):
         controller_by("pick-server", options={"poses": "martian"})

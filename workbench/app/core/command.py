@@ -99,8 +99,9 @@ class Entry:
     """A command with its number, its time [s since the epoch], its author and the author's role.
 
     Clock, user and the robot's pose enter only here; everything else is computed from entries.
-    `joints` (name -> rad) are the reported joints at an approval, a sending or a drop back.  They
-    are empty for other commands and without a report.  The `role` of a machine has no meaning.
+    `joints` (name -> rad) are the reported joints where a rule compares them: with the start of a
+    plan, the view of a scan, or for a drop back.  Otherwise, and without a report, they are empty.
+    The `role` of a machine has no meaning.
     """
 
     number: int

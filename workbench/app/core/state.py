@@ -79,7 +79,7 @@ class Outline:
     Attributes:
         planning: computing time [s].
         cycle: duration of the motion [s].
-        apart: smallest distance between the arms [m]; `clearance` [m] is that to obstacles.
+        apart: smallest distance between the arms [m]; `clearance` [m] is that of the proof.
         verdict: why there is no plan, or what is wrong with it.
         asked: strategy of the request; `strategy` is that of the plan.
     """
@@ -146,8 +146,8 @@ class SessionState:
         earlier: scan from other views, to be merged with the next scan.
         stirs: how often the bin was stirred since a plan could pick.
         tools_unknown: arms whose tool change failed, until a person states what they carry.
-        hands_emptied: arms emptied since the last sending, by a drop back or as a person states.
-        largest_sent: longest part [m] and heaviest part [kg] of the cell at the last sending.
+        hands_emptied: arms emptied since the last pick was sent: drop back, or a person's word.
+        largest_sent: longest [m] and heaviest part [kg] that a hand may hold, by what was sent.
         hands_open: arms that may still hold a part from before a stop, although a scan followed.
         pile: pile that the last simulated scan showed.
         ball_scans: scans that check the calibrated scanner, together with `touches`.
@@ -263,8 +263,8 @@ class ReleaseState(PlanState):
     """Approval of the plan.
 
     Attributes:
-        watched: people who watched the plan to its end.
-        watched_elsewhere: those of them whose watching only a client program states.
+        watched: people before whom the plan was played to its end.
+        watched_elsewhere: those of them of whom only a client program states it.
         votes: each person's approval; `approval` is set once they are enough.
     """
 

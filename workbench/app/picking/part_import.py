@@ -49,7 +49,7 @@ class CadChoices:
     """How a CAD file is read.
 
     `unit` is mm, m or inch; None if the file states it or only one is plausible.  `solid` selects
-    one of several solids, see `read_cad`.  `repair` closes holes where possible; `is_open` accepts
+    one of several solids, see `read_cad`.  `repair` mends the surface; `is_open` accepts
     a surface that cannot be closed.
     """
 

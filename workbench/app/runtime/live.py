@@ -1,7 +1,7 @@
 """Live data for display, which is not recorded.
 
-The rules use only the joints: the bench writes them into the entries of an approval and a sending,
-where the rules compare them with the start of the plan.
+The rules use only the joints: the bench writes them into the entries of commands whose rules
+compare them with the start of a plan or the view of a scan.
 """
 
 from collections.abc import Mapping

@@ -85,4 +85,6 @@ def motion_with(options: Options) -> MotionModel:
         InputError: they are not right.
     """
     given: PickOptions = options_of(PickOptions, options)
-    return replace(MOTION, sends_poses=given.poses != "none")
+    sends_poses = given.poses != "none"
+    # A program that gets poses moves at its own speed.
+    return replace(MOTION, sends_poses=sends_poses, takes_share=not sends_poses)

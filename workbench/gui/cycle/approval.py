@@ -174,7 +174,7 @@ class ApprovalDialog:
 def first_share(cell: Cell) -> float:
     """The share of the planned speed that is offered before anybody has chosen another one.
 
-    The controls of a browser are made anew for a changed cell: then plans begin slowly again.
+    A browser that is loaded anew begins with it again.
     """
     controller = cell.controller
     is_slowed = controller.motion.takes_share and not controller.is_simulated

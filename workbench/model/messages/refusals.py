@@ -34,7 +34,9 @@ class Refusal(Text, subject="refusal"):
     DROP_OTHER_ARM = "arm {arm} is not at home: bring it home before the other one drops a part"
     DROP_SEVERAL_TCPS = "tool {tool} may hold a part at {tcps:or}: take it out by hand"
     DROP_RECIPE = "the hand may hold {parts:and}, which the recipe leaves out: choose one with all"
-    DROP_KINDS = "the hand may hold a kind that the cell no longer has: take it out by hand"
+    DROP_KINDS = (
+        "the hand may hold a longer or heavier part than the cell has now: take it out by hand"
+    )
     DROP_OTHER_HOLDS = "arm {arm} may hold a part, too: empty it by hand and confirm it"
     HANDS_EMPTY = "no hand may hold a part, by what was sent last"
     DROP_AMOUNT = "the hand holds {known:or}, not {value}"

@@ -49,7 +49,7 @@ class GraspFinding:
     """A problem of a grasp, or a remark if `is_problem` is False.
 
     `amount` is the size of the problem [m]; for `slip` [rad].  For a cup's lip it is a share of the
-    lip, for `weight` a share of the holding force.
+    lip, for `weight` the share of the load that is held.
     """
 
     kind: FindingKind

@@ -228,7 +228,7 @@ def _is_doubted(state: State, detection: int) -> bool:
 
 
 def _with_doubts(state: State) -> State:
-    """The state in which the place of each part is in doubt that was not reported as picked."""
+    """The state in which the place of each part is in doubt that was reported as not picked."""
     sent = sent_for(state)
     doubted = [
         sent.plans[0].detections[outcome.detection]

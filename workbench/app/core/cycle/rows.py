@@ -120,6 +120,7 @@ def with_next_plan(state: State, after: State, ended: SendingEnd, entry: Entry) 
         message = after.message if ended.fault else all_of((as_message(after.message), why))
         # What was spent stays to be seen; nothing follows a row that is not there any more.
         return replace(after, row=(), row_ends=why, message=message), ()
+    opening = {arm.arm for arm in proven_plan.plan.picks}
     after = replace(
         after,
         phase=Phase.SENDING,
@@ -136,6 +137,7 @@ def with_next_plan(state: State, after: State, ended: SendingEnd, entry: Entry) 
         let=0,
         let_until=approval.until,
         is_over=False,
+        hands_open=tuple(arm for arm in after.hands_open if arm not in opening),
         message=StateText.NEXT_PLAN(number=len(done) + 1, total=len(done) + len(state.row)),
     )
     return after, (Send(proven_plan.plan, approval, following(after)),)

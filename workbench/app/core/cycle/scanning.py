@@ -230,7 +230,7 @@ def _lifted_since(state: State) -> tuple[pin.SE3, ...]:
     """Poses `T_world_part` of the parts that were taken since the last scan.
 
     Without a report a part counts as picked, except after a fault.  Parts that an arm has dropped
-    back after a fault, and second parts, are in the bin.
+    back after a fault are in the bin.
     """
     sent = sent_for(state)
     if sent is None:
@@ -247,11 +247,8 @@ def _is_out(state: State, taken: Taken) -> bool:
     is_taken = taken.is_over or state.phase is Phase.SENDING
     if taken.outcome is None:
         return is_taken
-    became = taken.outcome.became
     was_let_go = taken.arm in state.hands_emptied
-    return became is not PickResult.FAILED and not (
-        was_let_go and (became is PickResult.DOUBLE or not is_taken)
-    )
+    return taken.outcome.became is not PickResult.FAILED and (is_taken or not was_let_go)
 
 
 def with_scan(state: State, scan: Scan, at: float) -> State:

@@ -12,6 +12,7 @@ from workbench.app.core.cycle.outcomes import after_sending
 from workbench.app.core.cycle.rows import following, unapproved_row, with_next_plan
 from workbench.app.core.cycle.standing import lacks_reports, stale_because
 from workbench.app.core.effects import LetStep, Send, StopSending
+from workbench.app.core.hands import arms_that_may_hold
 from workbench.app.core.picks import SendingEnd
 from workbench.app.core.rights import changes_said
 from workbench.app.core.state import Phase, RunState, State, begin_stage, row_message
@@ -150,12 +151,15 @@ def _send(state: State, entry: Entry) -> Decision:
 
 
 def _largest_sent(state: State) -> tuple[float, float]:
-    """The longest and heaviest part that a hand can hold from now on."""
-    if not (picking := _picking(state)):
+    """The longest and heaviest part that a hand can hold from now on.
+
+    A hand that may hold a part still does so until it opens in this plan.
+    """
+    if not _picking(state):
         return state.largest_sent
     now, before = largest_part(state.whole or state.cell), state.largest_sent
-    are_all_new = picking.issuperset(state.hands_open)
-    return now if are_all_new else (max(now[0], before[0]), max(now[1], before[1]))
+    is_any_full = bool(arms_that_may_hold(state))
+    return (max(now[0], before[0]), max(now[1], before[1])) if is_any_full else now
 
 
 def _picking(state: State) -> set[str]:

@@ -86,7 +86,7 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message |
 
 @lru_cache(maxsize=4)
 def _as_it_starts(cell: Cell, plan: Plan) -> Cell:
-    """The cell with the part that a hand may hold, and the margins at the start of a plan."""
+    """The cell with what a hand may hold, and the margins at the start of a plan."""
     arm_plan = plan.arms[0]
     if arm_plan.held not in set(HeldAmount):
         return cell

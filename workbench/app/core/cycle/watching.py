@@ -55,7 +55,7 @@ def with_watched(state: State, actor: str, *, is_reported: bool) -> State:
 def explain_unwatched(state: State, actor: str) -> Message | None:
     """Why a person must watch the plan before approving it; None when that has happened.
 
-    A plan that was played in a browser without a login counts for every such person.
+    A plan that was played in a browser without a login counts for every person.
     """
     seen = any(is_same_person(name, actor) or name == NOBODY for name in state.watched)
     return None if seen else Refusal.NOT_PLAYED()
