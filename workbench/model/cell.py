@@ -234,18 +234,19 @@ class Policy:
     wrong pose.  The part may slide along its support for `release` of its lift; then it keeps
     `near_margin`.  `speed` scales joint speeds.  `zone` is the largest corner rounding, as a
     fraction of the shorter neighbouring segment (`Cell.zone`).  `planner` (`plugins.planner`)
-    searches the free legs, with `iterations` a call; `birrt` is the thesis' name for `rrtconnect`.  `seconds` [s] limits the
-    processor time of a planning.  `order` is the order of parts: by least time, height, score,
-    distance to the tool, distance to the walls, or the thesis' rules (`planning.picking.order`).
-    `metric` weighs the joints in the planners' distance: each counts this fraction of the one
-    before it.  `lifts` (`planning.picking.lifts`) are tried in order for grasps without their own.
-    `least_air` [m] is the least gap on each side of a part at which fingers may arrive less open
-    than the grasp states; None: always as stated.  `pair_gap` [m]: of parts nearer to each other a
-    plan takes only one; 0: no limit.  `picks` is the number of plans in a row after one scan.
-    `tcp_speed`, `point_speed`, `held_speed` [m/s], `manual_speed`, `contact_energy` [J] are limits
-    (`derived.speed_limits`), as are `stir_speed` and `slot_speed`.  `as_needed`: whether
-    `derived.policies.widened` may change grasps.  `stirs` limits the number of stirs in a row.
-    `retry_without_scan`: whether a missed grip is followed by a plan from the same scan.
+    searches the free legs, with `iterations` a call; `birrt` is the thesis' name for `rrtconnect`.
+    `seconds` [s] limits the processor time of a planning.  `order` is the order of parts: by least
+    time, height, score, distance to the tool, distance to the walls, or the thesis' rules
+    (`planning.picking.order`). `metric` weighs the joints in the planners' distance: each counts
+    this fraction of the one before it.  `lifts` (`planning.picking.lifts`) are tried in order for
+    grasps without their own. `least_air` [m] is the least gap on each side of a part at which
+    fingers may arrive less open than the grasp states; None: always as stated.  `pair_gap` [m]: of
+    parts nearer to each other a plan takes only one; 0: no limit.  `picks` is the number of plans
+    in a row after one scan. `tcp_speed`, `point_speed`, `held_speed` [m/s], `manual_speed`,
+    `contact_energy` [J] are limits (`derived.speed_limits`), as are `stir_speed` and `slot_speed`.
+    `as_needed`: whether `derived.policies.widened` may change grasps.  `stirs` limits the number of
+    stirs in a row. `retry_without_scan`: whether a missed grip is followed by a plan from the same
+    scan.
     """
 
     margin: float = 0.005

@@ -146,7 +146,7 @@ class SessionState:
         earlier: scan from other views, to be merged with the next scan.
         stirs: how often the bin was stirred since a plan could pick.
         tools_unknown: arms whose tool change failed, until a person states what they carry.
-        hands_emptied: arms emptied since the last pick was sent: drop back, or a person's word.
+        hands_emptied: arms emptied since the last pick: dropped back, or as a person states.
         largest_sent: longest [m] and heaviest part [kg] that a hand may hold, by what was sent.
         hands_open: arms that may still hold a part from before a stop, although a scan followed.
         pile: pile that the last simulated scan showed.
