@@ -109,7 +109,7 @@ class GraspsPanel:
         with group(gui, "Pairs for two arms", expand_by_default=False):
             self._pairs = PairControls(visitor, editing)
         with group(gui, "Saved and not saved"):
-            self._library = LibraryControls(visitor, editing)
+            self._library = LibraryControls(visitor, editing, self._not_applied)
         with group(gui, "New part from a CAD file", expand_by_default=False):
             self._upload = PartUpload(visitor)
         self._rows = visitor.rows(MOST_ROWS, self._chose)
@@ -141,13 +141,24 @@ class GraspsPanel:
         visitor.on_press(self._redo, RedoCell)
         visitor.on_key("G", "Open the part to put grasps on it, or go back", self._turn)
         editing.on_change(self._draw)
+        for form in (self._fields, self._pose):
+            form.on_typed(self._library.follow_typed)
         visitor.on_end(self._end_drawing)
         visitor.on_end(self._leave_stage, in_scene=True)
 
     def _chose(self, number: int) -> None:
         entries = self._editing.part.library.entries
         if number < len(entries):
+            self._pose.revert()
             self._editing.choose(entry=entries[number].name)
+
+    def _not_applied(self) -> str:
+        """What a person does first with what is typed for the chosen grasp; empty: nothing."""
+        if self._fields.is_typed():
+            return "apply or revert the open grasp first"
+        if self._pose.is_typed():
+            return "press Move it there first, or click on the grasp in the table"
+        return ""
 
     def _other_part(self, name: str) -> None:
         entries = self._visitor.cell.part(name).library.entries
