@@ -327,6 +327,13 @@ def test_what_is_typed_for_a_grasp_is_applied_or_reverted_before_it_is_saved(ben
     assert not save.disabled and panel._pose._position.value == (0.0, 0.0, 20.0)
 
 
+def test_the_tab_names_its_part_also_where_the_cell_has_no_other(bench, visitor):
+    panel = GraspsPanel(visitor)
+    assert [part.name for part in bench.state.cell.parts] == [PART]
+    assert panel._part.visible and panel._part.value == PART
+    assert panel._upload._pick._pick.order < panel._part.order, "a new part is made at the top"
+
+
 def test_a_draft_of_one_change_is_told_of_and_one_of_none_is_not(visitor, bench, tmp_path):
     editing = Editing(visitor)
     library = LibraryControls(visitor, editing)
