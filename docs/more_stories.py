@@ -61,7 +61,7 @@ def grasps(chrome: Browser, folder: Path) -> None:
     with desk(chrome, folder, speed=20) as at:
         screen, page = at.screen, at.page
         screen.tab("Grasps")
-        screen.press("Open part")
+        screen.press("Edit grasps")
         page.wait_for_timeout(3000)
         camera = Camera(page, *view_of(at.bench.state.cell.part(PART)))
         aim = np.array([math.cos(SIDE), math.sin(SIDE), 0.0])

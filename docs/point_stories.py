@@ -165,7 +165,7 @@ def before_the_plan(at: Fronted) -> None:
     screen.tab("Cell")
     at.point(15, "numbers")
     screen.tab("Grasps")
-    screen.press("Open part")
+    screen.press("Edit grasps")
     page.wait_for_timeout(2500)
     page.get_by_text("Copies and patterns", exact=True).click()
     page.wait_for_timeout(500)

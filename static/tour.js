@@ -26,8 +26,8 @@ const STEPS = [
   { name: "find", title: word("Find the parts"), on: word("Cycle"), press: [word("Find parts")],
     says: word("The workbench searches the scan for the part's shape. Press Find parts. If none is found, choose "
       + "another seed and scan again.") },
-  { name: "grasps", title: word("Look at the grasps"), on: word("Grasps"), press: [word("Back to cell"), word("Open part")],
-    isLook: true, says: word("A grasp is where a hand closes on the part. In the tab Grasps press Open part to see "
+  { name: "grasps", title: word("Look at the grasps"), on: word("Grasps"), press: [word("Back to cell"), word("Edit grasps")],
+    isLook: true, says: word("A grasp is where a hand closes on the part. In the tab Grasps press Edit grasps to see "
       + "the grasps, then Back to cell.") },
   { name: "plan", title: word("Plan"), on: word("Cycle"), press: [word("Plan")],
     says: word("Open the tab Cycle and press the button Plan in group 3. Every grasp is tested with each arm, the "

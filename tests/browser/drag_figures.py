@@ -160,7 +160,7 @@ def test_how_soon_verdicts_follow(screen, bench, figures):
     bench.do(UseDetections(parts), "Ada")
     part = bench.state.cell.parts[0]
     screen.tab("Grasps")
-    screen.press("Open part")
+    screen.press("Edit grasps")
     settle(screen.page, 1500)
     T = grasp_of(part.library.entries[0]).T_part_tcp
     x = np.array(T.rotation[:, 0])

@@ -79,7 +79,7 @@ def test_the_hand_goes_from_copy_to_copy_and_a_grasp_to_an_offset(screen, bench,
 
 def test_a_grasp_is_made_with_the_mouse_and_picks_a_part(screen, bench, wait, reaches, own):
     screen.tab("Grasps")
-    screen.press("Open part")
+    screen.press("Edit grasps")
     camera = stage_camera(screen, bench)
 
     # On the side of the body that faces the camera, between its end and the key.

@@ -68,7 +68,7 @@ def test_while_a_grasp_is_dragged_it_is_told_for_the_parts_found(screen, bench, 
     found_parts(screen, reaches)
     part = bench.state.cell.parts[0]
     screen.tab("Grasps")
-    screen.press("Open part")
+    screen.press("Edit grasps")
     settle(screen.page, 1500)
     T = grasp_of(part.library.entries[0]).T_part_tcp
     camera = Camera(screen.page, *view_of(part))

@@ -104,7 +104,7 @@ def test_it_leads_through_a_pick_and_goes_on_when_something_was_really_done(
     reaches("localized")
 
     tour.at("Look at the grasps", "Grasps", role="tab").click()
-    tour.at("Look at the grasps", "Open part").click()
+    tour.at("Look at the grasps", "Edit grasps").click()
     tour.at("Look at the grasps", "Back to cell").click()
     tour.at("Plan", "Cycle", role="tab").click()
     tour.at("Plan", re.compile("^Plan$")).click()

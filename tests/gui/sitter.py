@@ -33,7 +33,7 @@ NO_CAMERAS = (
     *({"up_direction": PLACE}, {"look_at": LOOK["position"]}),
 )
 
-OPENED = ("Open part", "Jog", "Show gizmo", "Approve")
+OPENED = ("Edit grasps", "Jog", "Show gizmo", "Approve")
 """Buttons behind which there are more controls."""
 
 LEFT_ALONE = ("Release control", "Hand over", "Take control", "Restore it")

@@ -66,7 +66,7 @@ def test_tools_and_arms_of_other_cells_are_left_alone(bench, visitor, grasp):
     with_grasps(bench, grasp)
     fields = GraspFields(visitor, Editing(visitor))
     fields.show(grasp, problem="")
-    assert not fields._is_typed()
+    assert not fields.is_typed()
     fields._priority.value = 5
     fields._take()
     now = grasp_now(bench)
@@ -248,7 +248,7 @@ def test_measure_fills_in_and_applies_nothing(bench, visitor):
     fields._priority.value = 5
     fields._fit()
     assert visitor.client.told == []
-    assert grasp_now(bench) is tight and fields._is_typed()
+    assert grasp_now(bench) is tight and fields.is_typed()
     assert fields._grip.value > 1.0 and fields._priority.value == 5
     fields._take()
     assert grasp_now(bench).priority == 5 and grasp_now(bench).grip > tight.grip
@@ -306,6 +306,32 @@ def test_a_remark_goes_once_it_is_saved(bench, visitor):
     library._remark.value = "another one"
     library.show(saved, editing.part, problem="")
     assert library._remark.value == "another one"
+
+
+def test_what_is_typed_for_a_grasp_is_applied_or_reverted_before_it_is_saved(bench, visitor):
+    with_grasps(bench, HAND)
+    panel = GraspsPanel(visitor)
+    panel._draw()
+    save, changes, fields = panel._library._save, panel._library._changes, panel._fields
+    assert not save.disabled
+    fields._name.value = "another name"
+    assert save.disabled and save.hint == "Apply or revert the open grasp first"
+    assert "Apply or revert" in changes.content
+    panel._library._save_library()
+    assert "apply or revert" in visitor.client.told[-1]
+    fields._take()
+    assert grasp_now(bench).name == "another name" and not save.disabled
+    panel._pose._position.value = (0.0, 0.0, 3.0)
+    assert save.disabled and "Move it there" in changes.content
+    panel._chose(0)
+    assert not save.disabled and panel._pose._position.value == (0.0, 0.0, 20.0)
+
+
+def test_the_tab_names_its_part_also_where_the_cell_has_no_other(bench, visitor):
+    panel = GraspsPanel(visitor)
+    assert [part.name for part in bench.state.cell.parts] == [PART]
+    assert panel._part.visible and panel._part.value == PART
+    assert panel._upload._pick._pick.order < panel._part.order, "a new part is made at the top"
 
 
 def test_a_draft_of_one_change_is_told_of_and_one_of_none_is_not(visitor, bench, tmp_path):

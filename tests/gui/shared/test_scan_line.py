@@ -38,3 +38,12 @@ def test_a_view_that_does_not_fit_the_others_stays_said_beside_the_scan(states):
     assert "does not fit" not in told[0] and "wb-bad" not in told[0]
     assert "view high does not fit the others: 4.0 mm and 0.6 deg off, 0.0% looked" in told[1]
     assert "wb-bad" in told[1]
+
+
+@pytest.mark.parametrize("name", ["localized", "planned", "approved"])
+def test_parts_that_came_without_a_scan_tick_neither_the_scan_nor_the_search(states, name):
+    state = replace(getattr(states, name), scan=None)
+    assert views.strip_html(state).count('class="wb-done"') == views.REACHED[state.phase] - 2
+    told = views.parts_line(state)
+    assert "no scan: 2 parts placed by hand or from outside" in told
+    assert "score" not in told

@@ -1,5 +1,6 @@
 """What a grasp is besides its pose: name, fingers, ways in and out, tolerances, who may use it."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -93,7 +94,7 @@ class GraspFields:
         is_same_grasp = (
             entry is not None and self._seen is not None and entry.name == self._seen.name
         )
-        if is_same_grasp and self._is_typed():
+        if is_same_grasp and self.is_typed():
             return
         if entry is not self._seen:
             self._fill(entry)
@@ -113,7 +114,18 @@ class GraspFields:
         named = (tcp.name for tool in self._editing.tools.values() for tcp in tool.tcps)
         return tuple(dict.fromkeys((ANY, *named, chosen)))
 
-    def _is_typed(self) -> bool:
+    def on_typed(self, observer: Callable[[], None]) -> None:
+        """Have something called after what stands in a field has changed."""
+        fields = (
+            *(self._name, self._is_enabled, self._priority, *self._arms.values()),
+            *(self._tool, self._tcp, self._opening, self._grip),
+            *(self._approach, self._approach_length, self._way_out),
+            *(self._retreat, self._retreat_length, self._free, self._tilt, self._slide),
+        )
+        for field in fields:
+            field.on_update(lambda _: observer())
+
+    def is_typed(self) -> bool:
         """Whether something was typed that is not applied."""
         if self._seen is None:
             return False

@@ -15,7 +15,7 @@ from workbench.formats.parts.saves import Version, draft_of, versions
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.views import pairs_html, texts_html, versions_html
 from workbench.gui.help.groups import group
-from workbench.gui.shared.views import line, not_saved
+from workbench.gui.shared.views import line, not_saved, sentence
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of
@@ -76,9 +76,11 @@ class LibraryControls:
     Concurrency: callbacks of viser and the renderer's thread; handles only.
     """
 
-    def __init__(self, visitor: Visitor, editing: Editing):
-        """Add the controls."""
-        self._visitor, self._editing = visitor, editing
+    def __init__(
+        self, visitor: Visitor, editing: Editing, not_applied: Callable[[], str] = lambda: ""
+    ):
+        """Add the controls; `not_applied` returns what a person does first with typed fields."""
+        self._visitor, self._editing, self._not_applied = visitor, editing, not_applied
         self._known: tuple[Version, ...] = ()
         self._is_saving = False
         gui = visitor.gui
@@ -113,7 +115,6 @@ class LibraryControls:
     def show(self, state: State, part: Part, *, problem: str) -> None:
         """The part is this one now."""
         is_changed = not state.is_saved
-        self._visitor.admit(self._save, state, SaveCell, otherwise=not_saved(state))
         if self._is_saving and not is_changed:
             self._is_saving, self._remark.value = False, ""
         folder = self._folder
@@ -138,15 +139,30 @@ class LibraryControls:
             self._version.options = options
         self._show_words(part)
         self._visitor.allow(self._back, problem)
-        if is_changed:
+        self._show_changes(state, part)
+
+    def follow_typed(self) -> None:
+        """Show whether there is something to save after a person has typed something."""
+        self._show_changes(self._visitor.bench.state, self._editing.part)
+
+    def _show_changes(self, state: State, part: Part) -> None:
+        """Show what is not in the files: what is typed is in them only after it was applied."""
+        typed = self._not_applied()
+        self._visitor.admit(self._save, state, SaveCell, otherwise=typed or not_saved(state))
+        if typed:
+            self._changes.content = line(f"{sentence(typed)}.", kind="warn")
+        elif not state.is_saved:
             says = "Changed and not saved; kept as a draft."
-            last = known[-1] if known else None
+            last = self._known[-1] if self._known else None
             self._changes.content = _changes_html(last, part, says, self._visitor.words)
         else:
             self._changes.content = line("As in the files.", kind="hint")
 
     def _save_library(self) -> None:
         """Save with the remark, which goes once it is in the files."""
+        if typed := self._not_applied():
+            self._visitor.notify("Refused", typed)
+            return
         self._is_saving = True
         self._is_saving = self._visitor.ask(lambda: SaveCell(self._remark.value))
 

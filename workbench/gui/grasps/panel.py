@@ -63,14 +63,16 @@ class GraspsPanel:
         self._has_ended = False
         self._looker = ThreadPoolExecutor(1, thread_name_prefix="grasp checks")
         gui, editing = visitor.gui, self._editing
+        with group(gui, "New part from a CAD file", expand_by_default=False):
+            self._upload = PartUpload(visitor)
         parts = tuple(part.name for part in visitor.cell.parts)
-        self._part = gui.add_dropdown("Part", parts, visible=len(parts) > 1)
+        self._part = gui.add_dropdown("Part", parts, hint="Whose grasps are listed and edited.")
         self._tool = gui.add_dropdown(
             "Tool", tuple(editing.tools), hint="What grasps are tried with.",
             visible=len(editing.tools) > 1,
         )  # fmt: skip
         gui.add_html('<div class="wb-buttons wb-three"></div>')
-        self._open = gui.add_button("Open part", icon=viser.Icon.CUBE)
+        self._open = gui.add_button("Edit grasps", icon=viser.Icon.CUBE)
         self._undo = gui.add_button("Undo", icon=viser.Icon.ARROW_BACK_UP, color="gray")
         self._redo = gui.add_button("Redo", icon=viser.Icon.ARROW_FORWARD_UP, color="gray")
         self._table = gui.add_html("")
@@ -108,10 +110,8 @@ class GraspsPanel:
             self._symmetry = SymmetryControls(visitor, editing)
         with group(gui, "Pairs for two arms", expand_by_default=False):
             self._pairs = PairControls(visitor, editing)
-        with group(gui, "Saved and not saved"):
-            self._library = LibraryControls(visitor, editing)
-        with group(gui, "New part from a CAD file", expand_by_default=False):
-            self._upload = PartUpload(visitor)
+        with group(gui, "Save and versions"):
+            self._library = LibraryControls(visitor, editing, self._not_applied)
         self._rows = visitor.rows(MOST_ROWS, self._chose)
         self._react()
 
@@ -141,13 +141,24 @@ class GraspsPanel:
         visitor.on_press(self._redo, RedoCell)
         visitor.on_key("G", "Open the part to put grasps on it, or go back", self._turn)
         editing.on_change(self._draw)
+        for form in (self._fields, self._pose):
+            form.on_typed(self._library.follow_typed)
         visitor.on_end(self._end_drawing)
         visitor.on_end(self._leave_stage, in_scene=True)
 
     def _chose(self, number: int) -> None:
         entries = self._editing.part.library.entries
         if number < len(entries):
+            self._pose.revert()
             self._editing.choose(entry=entries[number].name)
+
+    def _not_applied(self) -> str:
+        """What a person does first with what is typed for the chosen grasp; empty: nothing."""
+        if self._fields.is_typed():
+            return "apply or revert the open grasp first"
+        if self._pose.is_typed():
+            return "press Move it there first, or click on the grasp in the table"
+        return ""
 
     def _other_part(self, name: str) -> None:
         entries = self._visitor.cell.part(name).library.entries
@@ -219,7 +230,6 @@ class GraspsPanel:
         if self._part.options != names:
             is_made = self._upload.asked in set(names) - set(self._part.options)
             self._part.options = names
-            self._part.visible = len(names) > 1
             wanted = self._upload.asked if is_made else self._editing.part.name
             if self._part.value != wanted:
                 self._part.value = wanted
@@ -262,7 +272,7 @@ class GraspsPanel:
             self._is_adding = False
             if self._stage.is_open:
                 self._leave_stage()
-                self._open.label = "Open part"
+                self._open.label = "Edit grasps"
             else:
                 self._visitor.turn_away()
                 self._stage.open(self._editing.part, self._on_click)

@@ -12,6 +12,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.parts import UploadText
 from workbench.gui.uploads.cad_pick import CadPick
 from workbench.model.errors import InputError
+from workbench.model.messages.refusals import ChangeRefusal
 
 
 class PartUpload:
@@ -42,11 +43,16 @@ class PartUpload:
         )
         self._make = gui.add_button("Make the part", icon=viser.Icon.CUBE_PLUS)
         self._density.on_update(lambda _: self._show_mass())
+        self._name.on_update(lambda _: self.show(self._visitor.bench.state))
         visitor.on_press(self._make, self._make_command)
 
     def show(self, state: State) -> None:
         """Let it be used while a part can be made."""
-        missing = "choose a file first" if self._pick.drawing is None else ""
+        missing, name = "", self._name.value.strip()
+        if self._pick.drawing is None:
+            missing = "choose a file first"
+        elif name in {part.name for part in state.cell.parts}:
+            missing = self._visitor.words.render(ChangeRefusal.PART_EXISTS(part=name))
         self._visitor.admit(self._make, state, ImportPart, otherwise=missing)
         self._pick.admit(state, ImportPart)
 

@@ -111,6 +111,20 @@ class GraspPose:
         elif not (can and is_open):
             self.hide()
 
+    def on_typed(self, observer: Callable[[], None]) -> None:
+        """Have something called after a number of the pose has changed."""
+        for numbers in (self._position, self._angles):
+            numbers.on_update(lambda _: observer())
+
+    def is_typed(self) -> bool:
+        """Whether numbers were typed to which the hand was not moved."""
+        typed = (self._position.value, self._angles.value)
+        return self._seen is not None and typed != shown_pose(self._T)
+
+    def revert(self) -> None:
+        """Show the numbers of the chosen grasp again."""
+        self._put(self._T)
+
     def show_drag(self, old: View | None, new: View) -> None:
         """Show the values as the hand is dragged from `old` to `new`."""
         if old is None or old.own.dragged is not new.own.dragged:

@@ -131,7 +131,7 @@ HELP: Mapping[str, tuple[str, str]] = {
         "pair all go with each other.",
         GRASPS,
     ),
-    "Saved and not saved": (
+    "Save and versions": (
         "Edits count at once, for everybody, and are in the part's folder when they are saved. "
         "Each saving is a version with a remark. What an earlier session has not saved is kept "
         "as a draft.",

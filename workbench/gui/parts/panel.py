@@ -86,15 +86,20 @@ class PartsPanel:
             carried=self._poses_carried,
         )
         self._kind = gui.add_dropdown(
-            "Kind", _kinds(visitor.cell), hint="Of a part that is added, and of poses from HALCON."
+            "Kind", _kinds(visitor.cell), hint="Of a part placed by hand, and of poses from HALCON."
         )
         self._veto = gui.add_button("Veto", icon=viser.Icon.TRASH, color="red")
-        self._add = gui.add_button("Add a part", icon=viser.Icon.PLUS, color="gray")
+        self._add = gui.add_button(
+            "Place a part by hand",
+            icon=viser.Icon.PLUS,
+            color="gray",
+            hint="In the middle of the bin; then move it to where it lies.",
+        )
         self._undo = gui.add_button(
             "Undo",
             icon=viser.Icon.ARROW_BACK_UP,
             color="gray",
-            hint="Takes back the last veto, correction or part that was added.",
+            hint="Takes back the last veto, correction or part placed by hand.",
         )
         self._avoided = gui.add_html("")
         self._forget = gui.add_button("Avoid no more", icon=viser.Icon.REFRESH, color="gray")
@@ -233,7 +238,7 @@ class PartsPanel:
             place, rows = _place(found, chosen), self._rows
             self._table.content = parts_html(found, place, rows, visitor.words, fates)
         else:
-            hint = "The parts found appear here; one can be vetoed, corrected, or added."
+            hint = "The parts found appear here; any can be vetoed or corrected."
             self._table.content = line(hint, kind="hint")
         T = None if chosen is None else chosen.T_world_part
         problem = visitor.obstacle(visitor.bench.state, UseDetections)
@@ -299,7 +304,7 @@ class PartsPanel:
         return UseDetections(before[0], EditText.PARTS_UNDONE())
 
     def _add_one(self) -> None:
-        """Add a part and choose it, so that it is the one that is moved next."""
+        """Place a part and choose it, so that it is the one that is moved next."""
         self._ask_choosing(self._with_one_more)
 
     def _ask_choosing(self, command: Callable[[], Command]) -> bool:

@@ -130,7 +130,7 @@ def strip_html(state: State) -> str:
     current = done if step is None else step
     items: list[str] = []
     for number, name in enumerate(CYCLE_STEPS):
-        is_skipped = is_to_view and number < BEFORE_PLAN
+        is_skipped = number < BEFORE_PLAN and (is_to_view or state.scan is None)
         look = "done" if number < done and not is_skipped else "ahead"
         if number == current:
             # A task that is no step of the cycle keeps none of them busy.
@@ -314,9 +314,10 @@ def parts_line(
     count = len(state.detections)
     if count == 0:
         return line("No part found in this scan.", kind="bad", span=2, tip=purpose)
+    if state.scan is None:
+        return line(words.render(CyclePageText.PLACED(count=count)), span=2, tip=purpose)
     found = sorted(detection.score for detection in state.detections)
-    if count > MOST_SCORES:
-        found = [found[0], found[-1]]
+    found = found if count <= MOST_SCORES else [found[0], found[-1]]
     between = " – " if count > MOST_SCORES else ", "
     scores = between.join(f"{score:.2f}" for score in reversed(found))
     parts = LabelText.PARTS(count=count)

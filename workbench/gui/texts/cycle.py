@@ -21,6 +21,7 @@ class CyclePageText(Text, subject="page-cycle"):
     SCANNED = "{points:n} points ({source})"
     SCANNED_AT = "{points:n} points ({source}), {at}"
     FOUND = "{parts}, score {scores}"
+    PLACED = "no scan: {count} {count:part|parts} placed by hand or from outside"
     PLAN = "{strategy}, {count} {count:part|parts}, {time:s}"
     PLAN_OF_ROW = "{number} of {count}: {plan}"
     UNKNOWN_CLEAR = "{strategy}, clear of {count} unknown {count:obstacle|obstacles}"
