@@ -73,6 +73,17 @@ def test_before_a_plan_nothing_is_stated_of_parts_and_without_one_why_each_is_le
     assert all("left: " in str(fate) and "got farthest" in str(fate) for fate in part_fates(state))
 
 
+def test_without_a_plan_a_part_with_grasps_that_work_states_why_there_is_none(states):
+    planned, verdict = states.planned, Verdict(Reason.NO_PATH, Stage.ROUTE)
+    works = replace(planned.candidates[0], verdict=Verdict(Reason.OK, Stage.PLACE))
+    both = tuple(replace(works, detection=part) for part in (0, 1, 1))
+    state = replace(planned, plan=None, proof=None, verdict=verdict, candidates=both)
+    assert [str(fate) for fate in part_fates(state)] == [
+        f"left: no plan ({verdict.message}); 1 grasp works apart from that",
+        f"left: no plan ({verdict.message}); 2 grasps work apart from that",
+    ]
+
+
 @pytest.mark.parametrize(
     ("language", "of"), [("it", "tra 12"), ("es", "entre 12"), ("fr", "parmi 12")]
 )

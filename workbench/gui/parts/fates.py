@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from workbench.app.core.state import State
 from workbench.gui.texts.parts import PartsText
-from workbench.model.candidate import Candidate
+from workbench.model.candidate import Candidate, Verdict
 from workbench.model.derived.row_parts import parts_taken
 from workbench.model.messages.message import Message
 
@@ -22,8 +22,10 @@ def part_fates(state: State) -> tuple[Message | None, ...]:
     tried: dict[int, list[Candidate]] = {}
     for candidate in state.candidates:
         tried.setdefault(candidate.detection, []).append(candidate)
+    # Of a plan that only stirs, the verdict is no reason to leave a part.
+    why = state.verdict if state.plan is None else None
     return tuple(
-        _taken(arms[number]) if number in arms else _left(tried.get(number, []))
+        _taken(arms[number]) if number in arms else _left(tried.get(number, []), why)
         for number in range(len(found))
     )
 
@@ -35,11 +37,16 @@ def _taken(arms: Sequence[str]) -> Message:
     return PartsText.TAKEN(arm=arms[0])
 
 
-def _left(candidates: Sequence[Candidate]) -> Message:
-    """Why a part is left: the verdict of the candidate that got farthest."""
+def _left(candidates: Sequence[Candidate], why: Verdict | None) -> Message:
+    """Why a part is left: the verdict of the candidate that got farthest.
+
+    `why`: the verdict of the planning that found no plan, None with a plan.
+    """
     if not candidates:
         return PartsText.LEFT_UNTRIED()
     working = sum(candidate.verdict.is_ok for candidate in candidates)
+    if working and why is not None:
+        return PartsText.LEFT_WITHOUT_PLAN(verdict=why.message, count=working)
     if working:
         return PartsText.LEFT_FOR_LATER(count=working)
     best = max(candidates, key=lambda candidate: candidate.verdict.progress)
