@@ -10,6 +10,7 @@ from workbench.app.core.state import EditedCell
 from workbench.gui.cycle.approval import ApprovalDialog, first_share
 from workbench.gui.cycle.approval_views import facts_html
 from workbench.gui.cycle.plan_views import left_message, plan_line, unsaved_message
+from workbench.gui.parts.fates import part_fates
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.messages.message import plain
 from workbench.model.messages.plans import PlanNote
@@ -187,32 +188,54 @@ def test_what_is_not_saved_is_said_at_the_plan_and_names_the_last_change(states)
     assert str(unsaved_message(unknown)) == "cell or grasps differ from their files"
 
 
-def test_a_plan_says_why_most_of_the_other_parts_are_left(states, cell):
+def state_with(planned, *verdicts, spare=3):
+    """The planned state with further parts, and candidates of these parts, reasons and arms."""
+    found = (*planned.detections, *planned.detections[:1] * spare)
+    tried = tuple(
+        replace(
+            planned.candidates[0], detection=part, arm=arm, verdict=Verdict(reason, Stage.GRASP)
+        )
+        for part, reason, arm in verdicts
+    )
+    plan = replace(planned.plan, detections=found)
+    return replace(planned, detections=found, plan=plan, candidates=tried)
+
+
+def test_a_plan_says_why_most_of_the_other_parts_are_left(states):
     planned = states.planned
-    spare = planned.plan.detections[0]
-    plan = replace(planned.plan, detections=(*planned.plan.detections, spare, spare, spare))
     assert left_message(planned) is None, "it takes both"
-
-    def candidate(part, reason, arm="left"):
-        some = planned.candidates[0]
-        verdict = Verdict(reason, Stage.GRASP)
-        return replace(some, detection=part, arm=arm, verdict=verdict)
-
-    refused = [candidate(part, Reason.OUT_OF_REACH) for part in (2, 3)]
-    last = candidate(4, Reason.TOOL_COLLISION)
-    state = replace(planned, plan=plan, candidates=(*refused, last))
+    refused = [(part, Reason.OUT_OF_REACH, "left") for part in (2, 3)]
+    last = (4, Reason.TOOL_COLLISION, "right")
+    state = state_with(planned, *refused, last)
     assert str(left_message(state)) == (
-        "3 parts left; most frequent reason: unreachable (2, left and right arm)"
+        "3 parts left; most frequent reason: unreachable (2, left arm)"
     )
     assert "3 parts left; most frequent reason" in plan_line(state)
-    # Of a plan by one arm it is about the other one.
-    right = next(pick for pick in plan.picks if pick.arm == "right")
-    alone = replace(state, plan=replace(plan, arms=(right,), detections=plan.detections))
-    assert str(left_message(alone)).endswith("left arm)")
-    able = replace(alone, candidates=tuple(candidate(k, Reason.OK) for k in range(5)))
-    assert str(left_message(able)) == "4 parts left for a later plan"
-    some = replace(alone, candidates=(candidate(2, Reason.OK), *refused[1:], last))
+    both = state_with(planned, refused[0], (3, Reason.OUT_OF_REACH, "right"), last)
+    assert str(left_message(both)).endswith("unreachable (2, left and right arm)")
+    some = state_with(planned, (2, Reason.OK, "left"), *refused[1:], last)
     assert str(left_message(some)) == (
-        "2 parts left for a later plan; 2 parts left; most frequent reason: unreachable (1, left "
+        "1 part left for a later plan; 2 parts left; most frequent reason: unreachable (1, left "
         "arm)"
     )
+
+
+def test_the_arm_that_takes_another_part_can_take_one_later(states):
+    left_arm, right_arm = (2, Reason.OUT_OF_REACH, "left"), (2, Reason.OK, "right")
+    state = state_with(states.planned, left_arm, right_arm, spare=1)
+    right = tuple(pick for pick in state.plan.picks if pick.arm == "right")
+    alone = replace(state, plan=replace(state.plan, arms=right))
+    other = next(pick.detection for pick in state.plan.picks if pick.arm == "left")
+    fates = part_fates(alone)
+    assert str(fates[2]) == "left for a later plan: 1 grasp works"
+    assert str(fates[other]) == "left: no grasp was tried"
+    assert str(left_message(alone)) == (
+        "1 part left for a later plan; 1 part left: no grasp was tried"
+    )
+
+
+def test_parts_that_no_grasp_was_tried_for_are_not_left_for_a_later_plan(states):
+    state = state_with(states.planned)
+    assert str(left_message(state)) == "3 parts left: no grasp was tried"
+    assert str(part_fates(state)[2]) == "left: no grasp was tried"
+    assert left_message(replace(state, candidates=None)) is None, "nothing is known of them"

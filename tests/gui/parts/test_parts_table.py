@@ -4,12 +4,15 @@ import re
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from workbench.gui.parts.fates import part_fates
 from workbench.gui.parts.views import parts_html
+from workbench.gui.texts.parts import PartsText
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
+from workbench.words.words import words_of
 
 EVIL = "<b>bolt</b>"
 
@@ -68,3 +71,24 @@ def test_before_a_plan_nothing_is_stated_of_parts_and_without_one_why_each_is_le
     refused = tuple(replace(each, verdict=verdict) for each in states.planned.candidates)
     state = replace(states.planned, plan=None, proof=None, verdict=verdict, candidates=refused)
     assert all("left: " in str(fate) and "got farthest" in str(fate) for fate in part_fates(state))
+
+
+def test_without_a_plan_a_part_with_grasps_that_work_states_why_there_is_none(states):
+    planned, verdict = states.planned, Verdict(Reason.NO_PATH, Stage.ROUTE)
+    works = replace(planned.candidates[0], verdict=Verdict(Reason.OK, Stage.PLACE))
+    both = tuple(replace(works, detection=part) for part in (0, 1, 1))
+    state = replace(planned, plan=None, proof=None, verdict=verdict, candidates=both)
+    assert [str(fate) for fate in part_fates(state)] == [
+        f"left: no plan ({verdict.message}); 1 grasp works apart from that",
+        f"left: no plan ({verdict.message}); 2 grasps work apart from that",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("language", "of"), [("it", "tra 12"), ("es", "entre 12"), ("fr", "parmi 12")]
+)
+def test_a_grasp_got_farthest_among_others_not_farther_than_their_count(language, of):
+    verdict = Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT).message
+    left = PartsText.LEFT(verdict=verdict, grasp="side", arm="left", count=12)
+    text = words_of(language).render(left)
+    assert f" {of}, side" in text and text.count("12") == 1

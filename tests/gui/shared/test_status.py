@@ -8,6 +8,7 @@ from unicodedata import east_asian_width
 import pytest
 
 from workbench.app.core.cycle.results import with_result
+from workbench.app.core.cycle.sending import placed_by_now
 from workbench.app.core.picks import Outcome
 from workbench.app.core.state import Job, Phase, State
 from workbench.formats.cells.reading import read_cell
@@ -18,7 +19,8 @@ from workbench.model.messages.cells import InventoryText
 from workbench.model.messages.message import GROUPED, UNITS, Message
 from workbench.model.messages.states import ControlText, RowStop, StateText, TaskText
 from workbench.model.messages.work import CancelText
-from workbench.model.release import PickResult
+from workbench.model.plan import Proven
+from workbench.model.release import PartReport, PickResult
 from workbench.words.words import words_of
 
 NOW = 1_760_000_000.0
@@ -119,4 +121,26 @@ def test_parts_are_counted_while_the_robot_puts_them_down(states, view_of):
         counts.append(int(re.search(r"(\d) of 2 placed", views.status_html(view_of(state)))[1]))
     assert counts == sorted(counts) and (counts[0], counts[-1]) == (0, 2)
     assert "0 of 2 placed" in views.status_html(view_of(states.sending)), "it reports no step"
-    assert "wb-status" in views.status_html(view_of(states.done))
+    ended = replace(states.done, receipts=state.receipts)
+    assert placed_by_now(ended) == counts[-1], "after its end the steps count no second time"
+
+
+def test_a_pick_that_the_gripper_reports_as_failed_is_not_counted_as_placed(states, view_of):
+    plan, last = states.sending.plan, states.sending.receipts[-1]
+    pick = plan.picks[0]
+    for is_picked, count in ((False, 1), (True, 2), (None, 2)):
+        report = PartReport(pick.arm, pick.detection, is_picked=is_picked)
+        receipts = (replace(last, part=report), replace(last, step=len(plan.sequence)))
+        state = replace(states.sending, receipts=receipts)
+        assert f"{count} of 2 placed" in views.status_html(view_of(state))
+
+
+def test_parts_that_a_plan_puts_onto_a_station_are_not_counted_as_placed(states, view_of):
+    sending = states.sending
+    arms = tuple(replace(arm, station="post") for arm in sending.plan.arms)
+    over = replace(sending.plan, arms=arms)
+    receipt = replace(sending.receipts[-1], step=len(over.sequence))
+    state = replace(sending, plan=over, receipts=(receipt,))
+    assert placed_by_now(state) == 0
+    row = replace(state, row=(Proven(sending.plan, sending.proof),))
+    assert "0 of 2 placed" in views.status_html(view_of(row)), "the next plan places them"

@@ -1,6 +1,7 @@
 """What planning has brought: a card of four numbers and one line, or why there is no plan."""
 
 from collections import Counter
+from collections.abc import Sequence
 from html import escape
 
 from workbench.app.core.cycle.planning import MakePlan
@@ -9,7 +10,7 @@ from workbench.gui.shared.views import hint, line, message_text, mm, sentence
 from workbench.gui.texts.approval import ApprovalText
 from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.candidate import Candidate, Reason
-from workbench.model.derived.row_parts import parts_taken
+from workbench.model.derived.row_parts import fates_of
 from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.plans import cycle_words, strategy_message
 from workbench.model.messages.states import StateText, held_message
@@ -135,32 +136,30 @@ def unsaved_message(state: State) -> Message | None:
 def left_message(state: State) -> Message | None:
     """How many parts the plans leave, and why most of them; None where they leave none.
 
-    Of a cell with several arms it is about the arms that take no part.
+    The rows of the parts give the reason of each.
     """
-    if state.plan is None or not state.plan.picks or not state.candidates:
+    if state.plan is None or not state.plan.picks or state.candidates is None:
         return None
-    first = state.plans[0]
-    taken = {number for plan in state.plans for number in parts_taken(first, plan)}
-    left = [number for number in range(len(first.detections)) if number not in taken]
-    if not left:
-        return None
-    busy = {pick.arm for plan in state.plans for pick in plan.picks}
-    arms = {arm.name for arm in state.cell.arms} - busy or busy
-    tried = [candidate for candidate in state.candidates if candidate.arm in arms]
-    reasons = Counter(_reason([each for each in tried if each.detection == part]) for part in left)
-    can_wait = reasons.pop(Reason.OK, 0)
-    later = CyclePageText.LEFT_FOR_LATER(count=can_wait) if can_wait else None
-    if not reasons:
-        return later
-    reason, number = reasons.most_common(1)[0]
-    refused = CyclePageText.LEFT(
-        count=reasons.total(), arms=sorted(arms), reason=reason.message, number=number
+    fates = fates_of(state.plans, state.candidates, len(state.detections or ()))
+    left = [fate for fate in fates if not fate.taken_by]
+    later = sum(fate.feasible > 0 for fate in left)
+    untried = sum(not fate.tried for fate in left)
+    return all_of(
+        (
+            CyclePageText.LEFT_FOR_LATER(count=later) if later else None,
+            _refused_message([fate.refused for fate in left if fate.refused is not None]),
+            CyclePageText.LEFT_UNTRIED(count=untried) if untried else None,
+        )
     )
-    return all_of((later, refused))
 
 
-def _reason(candidates: list[Candidate]) -> Reason:
-    """Why a part is not taken by these: that of the candidate that got farthest."""
-    if not candidates or any(candidate.verdict.is_ok for candidate in candidates):
-        return Reason.OK
-    return max(candidates, key=lambda candidate: candidate.verdict.progress).verdict.kind
+def _refused_message(farthest: Sequence[Candidate]) -> Message | None:
+    """How many parts have no grasp that works, by the candidate of each that got farthest."""
+    if not farthest:
+        return None
+    reasons = Counter(candidate.verdict.kind for candidate in farthest)
+    reason, number = reasons.most_common(1)[0]
+    arms = {candidate.arm for candidate in farthest if candidate.verdict.kind is reason}
+    return CyclePageText.LEFT(
+        count=len(farthest), arms=sorted(arms), reason=reason.message, number=number
+    )

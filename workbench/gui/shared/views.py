@@ -239,7 +239,7 @@ def split_line(text: str) -> tuple[str, str]:
 
 def parts_placed(state: State, words: Words = IN_ENGLISH) -> str:
     """How many parts are placed, by what the controller reports, of how many."""
-    expected = sum(len(plan.picks) for plan in state.plans)
+    expected = sum(len(plan.picks) for plan in state.plans if not plan.stations)
     if not expected:
         return ""
     return words.render(

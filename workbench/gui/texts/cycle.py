@@ -36,6 +36,7 @@ class CyclePageText(Text, subject="page-cycle"):
         "{count} {count:part|parts} left; most frequent reason: {reason} ({number}, {arms:and} arm)"
     )
     LEFT_FOR_LATER = "{count} {count:part|parts} left for a later plan"
+    LEFT_UNTRIED = "{count} {count:part|parts} left: no grasp was tried"
     PROOF_FAILS = "The proof does not hold: {violation}"
     NO_PROOF = "The plan has no proof."
     FORECAST = "Of {piles} simulated pairs at {distance:mm0}: {facts}"

@@ -18,6 +18,9 @@ class PartsText(Text, subject="page-parts"):
     TAKEN_BY_BOTH = "{arms:and} take it, one after the other"
     LEFT_UNTRIED = "left: no grasp was tried"
     LEFT_FOR_LATER = "left for a later plan: {count} {count:grasp|grasps} {count:works|work}"
+    LEFT_WITHOUT_PLAN = (
+        "left: no plan ({verdict}); {count} {count:grasp|grasps} {count:works|work} apart from that"
+    )
     LEFT = "left: {verdict}; {grasp}, {arm} arm, got farthest of {count}"
 
 

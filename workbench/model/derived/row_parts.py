@@ -1,9 +1,11 @@
-"""Plans in a row: the parts they take, by their numbers in the first, and what is no row."""
+"""Plans in a row: parts they take or leave, by their numbers in the first, and what is no row."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.model.candidate import Candidate
 from workbench.model.messages.message import FoundPart, Message, found_part
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.plan import Plan
@@ -31,6 +33,49 @@ def parts_taken(first: Plan, plan: Plan) -> tuple[int, ...]:
 def count_taken(plans: Sequence[Plan]) -> int:
     """How many parts plans in a row take; one that goes over a station counts once."""
     return len({number for plan in plans for number in parts_taken(plans[0], plan)})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartFate:
+    """What plans in a row do with a part that was found.
+
+    Attributes:
+        taken_by: the arms that take the part, in order; none: the part is left.
+        tried: the candidates of the part, of all arms, with their verdicts.
+    """
+
+    taken_by: tuple[str, ...]
+    tried: tuple[Candidate, ...]
+
+    @property
+    def feasible(self) -> int:
+        """How many candidates work, of arms that now take other parts, too."""
+        return sum(candidate.verdict.is_ok for candidate in self.tried)
+
+    @property
+    def refused(self) -> Candidate | None:
+        """The candidate that got farthest; None where some work, or where none was tried."""
+        if self.feasible or not self.tried:
+            return None
+        return max(self.tried, key=lambda candidate: candidate.verdict.progress)
+
+
+def fates_of(
+    plans: Sequence[Plan], candidates: Sequence[Candidate], count: int
+) -> tuple[PartFate, ...]:
+    """What plans in a row do with each of `count` parts that were found, in their order."""
+    arms: dict[int, list[str]] = {}
+    picking = [plan for plan in plans if plan.picks]
+    for plan in picking:
+        for number, pick in zip(parts_taken(picking[0], plan), plan.picks, strict=True):
+            arms.setdefault(number, []).append(pick.arm)
+    tried: dict[int, list[Candidate]] = {}
+    for candidate in candidates:
+        tried.setdefault(candidate.detection, []).append(candidate)
+    return tuple(
+        PartFate(tuple(arms.get(number, ())), tuple(tried.get(number, ())))
+        for number in range(count)
+    )
 
 
 def renumber(message: Message, first: Plan, detections: Sequence[Detection]) -> Message:

@@ -194,11 +194,11 @@ def step_reported(state: State) -> int:
 def placed_by_now(state: State) -> int:
     """How many parts are placed, by the ends of plans and by the steps of the plan on its way.
 
-    The hand is open once a step comes after the last one with the part in it.  Only the end of the
-    plan says whether a part was in the hand at all.
+    The hand is open once a step comes after the last one with the part in it.  A pick that the
+    gripper reports as failed places none, nor does a plan that puts its parts onto a station.
     """
     step, plan = step_reported(state), state.plan
-    if state.phase is not Phase.SENDING or plan is None or not step:
+    if state.phase is not Phase.SENDING or plan is None or plan.stations or not step:
         return state.parts_placed
     last = {
         name: number
@@ -206,7 +206,11 @@ def placed_by_now(state: State) -> int:
         for name, leg in each.runs
         if plan.arm(name).leg(leg).holding
     }
-    return state.parts_placed + sum(last.get(pick.arm, step) < step for pick in plan.picks)
+    parts = (receipt.part for receipt in state.receipts)
+    failed = {part.arm for part in parts if part is not None and part.is_picked is False}
+    return state.parts_placed + sum(
+        last.get(pick.arm, step) < step for pick in plan.picks if pick.arm not in failed
+    )
 
 
 def step_message(plan: Plan, number: int) -> Message:
