@@ -5,7 +5,7 @@ import pytest
 import workbench.gui.page.control
 from workbench.app.core.control import AskForControl, TakeControl
 from workbench.app.core.people import Role
-from workbench.gui.page.control import DOUBLE_CLICK, ControlStrip
+from workbench.gui.page.control import DOUBLE_CLICK, SETTLING, ControlStrip
 
 
 @pytest.fixture
@@ -43,6 +43,28 @@ def test_a_double_click_on_keep_answers_one_person(strip, visitor, bench, view_o
     clock[0] += DOUBLE_CLICK
     click(strip._keep)
     assert bench.state.asking == () and bench.state.control == "Ada"
+
+
+def test_a_press_soon_after_control_has_changed_is_ignored(strip, visitor, bench, view_of, clock):
+    before = view_of(bench.state)
+    click(strip._give)
+    strip.show(before, view_of(bench.state))
+    assert bench.state.control == "Bob" and strip._take.visible
+    clock[0] += SETTLING * 0.9
+    click(strip._take)
+    click(strip._ask)
+    assert bench.state.control == "Bob" and bench.state.asking == ("Cem",)
+    clock[0] += SETTLING
+    click(strip._take)
+    assert bench.state.control == "Ada"
+
+
+def test_a_request_for_control_makes_no_button_wait(strip, visitor, bench, view_of, clock):
+    before = view_of(bench.state)
+    bench.do(AskForControl(), "Dan", Role.OPERATOR)
+    strip.show(before, view_of(bench.state))
+    click(strip._give)
+    assert bench.state.control == "Bob"
 
 
 def test_a_double_click_on_hand_over_and_take_over_is_not_refused(strip, visitor, bench, clock):
