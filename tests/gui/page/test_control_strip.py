@@ -78,3 +78,24 @@ def test_a_double_click_on_hand_over_and_take_over_is_not_refused(strip, visitor
     click(strip._take)
     assert (bench.state.control, bench.state.number) == ("Ada", number)
     assert len(visitor.client.told) == told
+
+
+def test_the_person_whose_control_is_taken_over_gets_a_note(strip, visitor, bench, view_of):
+    before, count = view_of(bench.state), len(visitor.client.told)
+    bench.do(TakeControl(), "Eve", Role.ENGINEER)
+    strip.show(before, view_of(bench.state))
+    assert visitor.client.told[count:] == ["Control was taken over from you."]
+    strip.show(view_of(bench.state), view_of(bench.state))
+    assert len(visitor.client.told) == count + 1
+
+
+def test_no_note_of_a_loss_follows_hand_over_and_release(strip, visitor, bench, view_of, clock):
+    before, count = view_of(bench.state), len(visitor.client.told)
+    click(strip._give)
+    strip.show(before, view_of(bench.state))
+    assert bench.state.control == "Bob"
+    assert len(visitor.client.told) == count, "Ada has given it away"
+
+
+def test_a_request_says_where_its_buttons_are(strip, visitor):
+    assert visitor.client.told[-1] == "Hand over or Keep, in the panel."

@@ -43,7 +43,7 @@ class ControlStrip:
     def __init__(self, visitor: Visitor):
         """Add the controls, unseen."""
         self._visitor, self._told = visitor, ""
-        self._changed_at = -SETTLING
+        self._changed_at, self._given_to = -SETTLING, ""
         gui = visitor.gui
         gui.add_html(f'<style class="wb-style">{STYLE}</style>')
         self._line = gui.add_html("", visible=False)
@@ -83,6 +83,7 @@ class ControlStrip:
             return
         if old is not None and old.state.control != state.control:
             self._changed_at = time.monotonic()
+            self._notify_loss(old.state, state)
         me = self._visitor.person
         acts = self._visitor.is_known and me.role.covers(Role.OPERATOR)
         is_mine = acts and state.control == me.name
@@ -101,11 +102,20 @@ class ControlStrip:
         self._give.label = words.render(PageText.HAND_OVER(person=asks))
         if asks and asks != self._told:
             title = words.render(PageText.ASKS(person=asks))
-            self._visitor.notify(title, "Hand over or Keep, above.", color="blue")
+            self._visitor.notify(title, "Hand over or Keep, in the panel.", color="blue")
         self._told = asks
 
+    def _notify_loss(self, old: State, new: State) -> None:
+        """Notify the person whose control another person has taken over."""
+        is_lost = old.control == self._visitor.person.name and new.control
+        if is_lost and new.control != self._given_to:
+            title = self._visitor.words.render(PageText.OTHER_IN_CONTROL(person=new.control))
+            self._visitor.notify(title, "Control was taken over from you.", color="blue")
+        self._given_to = ""
+
     def _handed_over(self) -> Command:
-        return GiveControl(self._first())
+        self._given_to = self._first()
+        return GiveControl(self._given_to)
 
     def _keep_control(self) -> Command:
         return DenyControl(self._first())
