@@ -12,6 +12,7 @@ import workbench.gui.shared.visitor
 from workbench.app.core.control import AskForControl, ReleaseControl, TakeControl
 from workbench.app.core.people import Person, Role
 from workbench.gui.cell.panel import GIZMO
+from workbench.gui.page.control import SETTLING
 from workbench.gui.scene.dragged_bodies import DrawnHeld
 
 ADA = Person("Ada", Role.ENGINEER)
@@ -63,6 +64,8 @@ def test_control_is_asked_for_handed_over_and_taken_back(next_to_come, open_scre
     expect(bob.button("Scan")).to_be_disabled()
     assert not bob.button("Take over").is_visible(), "only engineers take over"
     bench.do(ReleaseControl(), "Ada", ADA.role)
+    bob.wait_for("Nobody has taken control")
+    bob.page.wait_for_timeout(SETTLING * 1000)
     bob.press("Take control")
     wait(lambda: bench.state.control == "Bob", "control")
     bench.do(TakeControl(), "Ada", ADA.role)
@@ -83,7 +86,7 @@ def test_a_viewer_looks_and_a_watcher_sees_what_is_dragged(
     assert not vic.button("Take over").is_visible()
     for tab in ("Grasps", "Calibration"):
         expect(vic.page.get_by_role("tab", name=tab)).to_have_count(0)
-    assert not vic.button("Ask").is_visible()
+    assert not vic.button("Ask for control").is_visible()
     ada.tab("Cell")
     ada.press("Show gizmo")
     ada.shoot("control-gizmo")

@@ -198,6 +198,6 @@ def test_a_refusal_is_read_beside_the_field_that_was_typed_in_or_the_button_pres
     scene.get_by_role("button", name="Scan").click()
     refuse(scene, "Refused", "a scan is under way")
     expect(scene.locator("#around .wb-corrected")).to_have_text("a scan is under way")
-    refuse(scene, "Ada asks for control", "Hand over or Keep, above.")
+    refuse(scene, "Ada asks for control", "Hand over or Keep, in the panel.")
     pause(page, 400)
-    expect(toasts.get_by_text("Hand over or Keep, above.")).to_be_visible()
+    expect(toasts.get_by_text("Hand over or Keep, in the panel.")).to_be_visible()

@@ -5,7 +5,7 @@ import pytest
 import workbench.gui.page.control
 from workbench.app.core.control import AskForControl, TakeControl
 from workbench.app.core.people import Role
-from workbench.gui.page.control import DOUBLE_CLICK, ControlStrip
+from workbench.gui.page.control import DOUBLE_CLICK, SETTLING, ControlStrip
 
 
 @pytest.fixture
@@ -45,6 +45,28 @@ def test_a_double_click_on_keep_answers_one_person(strip, visitor, bench, view_o
     assert bench.state.asking == () and bench.state.control == "Ada"
 
 
+def test_a_press_soon_after_control_has_changed_is_ignored(strip, visitor, bench, view_of, clock):
+    before = view_of(bench.state)
+    click(strip._give)
+    strip.show(before, view_of(bench.state))
+    assert bench.state.control == "Bob" and strip._take.visible
+    clock[0] += SETTLING * 0.9
+    click(strip._take)
+    click(strip._ask)
+    assert bench.state.control == "Bob" and bench.state.asking == ("Cem",)
+    clock[0] += SETTLING
+    click(strip._take)
+    assert bench.state.control == "Ada"
+
+
+def test_a_request_for_control_makes_no_button_wait(strip, visitor, bench, view_of, clock):
+    before = view_of(bench.state)
+    bench.do(AskForControl(), "Dan", Role.OPERATOR)
+    strip.show(before, view_of(bench.state))
+    click(strip._give)
+    assert bench.state.control == "Bob"
+
+
 def test_a_double_click_on_hand_over_and_take_over_is_not_refused(strip, visitor, bench, clock):
     told = len(visitor.client.told)
     click(strip._give)
@@ -56,3 +78,24 @@ def test_a_double_click_on_hand_over_and_take_over_is_not_refused(strip, visitor
     click(strip._take)
     assert (bench.state.control, bench.state.number) == ("Ada", number)
     assert len(visitor.client.told) == told
+
+
+def test_the_person_whose_control_is_taken_over_gets_a_note(strip, visitor, bench, view_of):
+    before, count = view_of(bench.state), len(visitor.client.told)
+    bench.do(TakeControl(), "Eve", Role.ENGINEER)
+    strip.show(before, view_of(bench.state))
+    assert visitor.client.told[count:] == ["Control was taken over from you."]
+    strip.show(view_of(bench.state), view_of(bench.state))
+    assert len(visitor.client.told) == count + 1
+
+
+def test_no_note_of_a_loss_follows_hand_over_and_release(strip, visitor, bench, view_of, clock):
+    before, count = view_of(bench.state), len(visitor.client.told)
+    click(strip._give)
+    strip.show(before, view_of(bench.state))
+    assert bench.state.control == "Bob"
+    assert len(visitor.client.told) == count, "Ada has given it away"
+
+
+def test_a_request_says_where_its_buttons_are(strip, visitor):
+    assert visitor.client.told[-1] == "Hand over or Keep, in the panel."

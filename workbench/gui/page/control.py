@@ -25,9 +25,11 @@ from workbench.model.messages.message import Message
 STYLE = "div:has(> div > .wb-head) > div:has(> .wb-control) { grid-column: span 1; }"
 """One line beside one button, as the status above it has it."""
 
-
 DOUBLE_CLICK = 0.7
 """[s] A press this soon after one of the same button is the second click of a double click."""
+
+SETTLING = 1.5
+"""[s] After a change of control presses are ignored: another button may lie under the pointer."""
 
 
 class ControlStrip:
@@ -41,10 +43,11 @@ class ControlStrip:
     def __init__(self, visitor: Visitor):
         """Add the controls, unseen."""
         self._visitor, self._told = visitor, ""
+        self._changed_at, self._given_to = -SETTLING, ""
         gui = visitor.gui
         gui.add_html(f'<style class="wb-style">{STYLE}</style>')
         self._line = gui.add_html("", visible=False)
-        self._ask = gui.add_button("Ask", icon=viser.Icon.HAND_CLICK, visible=False)
+        self._ask = gui.add_button("Ask for control", icon=viser.Icon.HAND_CLICK, visible=False)
         self._back = gui.add_button("Release control", color="gray", visible=False)
         self._take = gui.add_button("Take control", icon=viser.Icon.HAND_GRAB, visible=False)
         self._give = gui.add_button("Hand over", icon=viser.Icon.CHECK, visible=False)
@@ -60,7 +63,8 @@ class ControlStrip:
     ) -> None:
         """Have a button give a command once, however often it is clicked in a row.
 
-        After the first click the same button may be about another person.
+        After the first click the same button may be about another person, and soon after a change
+        of control another button lies in its place.
         """
         pressed_at = -DOUBLE_CLICK
 
@@ -68,7 +72,8 @@ class ControlStrip:
         def _(_: object) -> None:
             nonlocal pressed_at
             before, pressed_at = pressed_at, time.monotonic()
-            if pressed_at - before >= DOUBLE_CLICK:
+            is_settled = pressed_at - self._changed_at >= SETTLING
+            if is_settled and pressed_at - before >= DOUBLE_CLICK:
                 self._visitor.ask(command)
 
     def show(self, old: View | None, new: View) -> None:
@@ -76,6 +81,9 @@ class ControlStrip:
         state = new.state
         if self._visitor.is_recorded or (old is not None and _about(old.state) == _about(state)):
             return
+        if old is not None and old.state.control != state.control:
+            self._changed_at = time.monotonic()
+            self._notify_loss(old.state, state)
         me = self._visitor.person
         acts = self._visitor.is_known and me.role.covers(Role.OPERATOR)
         is_mine = acts and state.control == me.name
@@ -94,11 +102,20 @@ class ControlStrip:
         self._give.label = words.render(PageText.HAND_OVER(person=asks))
         if asks and asks != self._told:
             title = words.render(PageText.ASKS(person=asks))
-            self._visitor.notify(title, "Hand over or Keep, above.", color="blue")
+            self._visitor.notify(title, "Hand over or Keep, in the panel.", color="blue")
         self._told = asks
 
+    def _notify_loss(self, old: State, new: State) -> None:
+        """Notify the person whose control another person has taken over."""
+        is_lost = old.control == self._visitor.person.name and new.control
+        if is_lost and new.control != self._given_to:
+            title = self._visitor.words.render(PageText.OTHER_IN_CONTROL(person=new.control))
+            self._visitor.notify(title, "Control was taken over from you.", color="blue")
+        self._given_to = ""
+
     def _handed_over(self) -> Command:
-        return GiveControl(self._first())
+        self._given_to = self._first()
+        return GiveControl(self._given_to)
 
     def _keep_control(self) -> Command:
         return DenyControl(self._first())
