@@ -12,7 +12,7 @@ from workbench.environment import prepare
 if TYPE_CHECKING:
     from workbench.api import *  # noqa: F403
 
-__version__ = "0.2.0"
+__version__ = "1.0.0"
 
 prepare()
 
