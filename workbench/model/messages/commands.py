@@ -134,7 +134,7 @@ class EditText(Text, subject="edit"):
     POSES_FROM = "{count} {count:pose|poses} taken from {file}"
     SEARCH_TAKEN = "the detections of search {search} are taken"
     PARTS_UNDONE = "the last change of the parts is undone"
-    PART_ADDED = "a {part} was added by hand"
+    PART_ADDED = 'a part "{part}" was placed by hand'
     PART_CORRECTED = "{found} was corrected by hand"
     PART_VETOED = "{found} ({part}) was vetoed"
 
