@@ -211,7 +211,7 @@ def test_a_cad_file_becomes_a_part_that_gets_a_grasp(screen, bench, wait, own):
     screen.wait_for("Mass: 23.04 g.")
     screen.press("Make the part")
     wait(lambda: "brick" in [part.name for part in bench.state.cell.parts], "the part")
-    screen.wait_for("No grasps: plans search grips")
+    screen.wait_for("No grasps: plans search grasps")
     screen.press("Add grasp")
     settle(screen.page, 2000)
     part = bench.state.cell.part("brick")

@@ -54,5 +54,5 @@ def test_a_proposal_says_what_the_library_and_the_new_grasps_take():
     known, added = proposal_words("peg", Proposal(entries, 9, 2, 6))
     assert str(known).startswith("2 of 9 peg") and str(added).endswith("new grasps: edge")
     (none,) = proposal_words("peg", Proposal((), 9, 0, 0))
-    assert str(none).startswith("no grip of the tools takes the 9 peg")
+    assert str(none).startswith("no grasp of the tools takes the 9 peg")
     assert "9 liegengebliebenen peg" in words_of("de").render(none)

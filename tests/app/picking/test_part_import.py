@@ -79,7 +79,7 @@ def meshed(body: trimesh.Trimesh) -> Mesh:
 def test_a_file_becomes_a_part_that_is_scanned_saved_and_undone(bench, own):
     bench.do(ImportPart("brick", "brick.stl", box(), is_symmetric=True), "ada")
     state = done(bench)
-    made = "part brick is in the cell, 60 x 30 x 20 mm; plans search its grips"
+    made = 'part "brick" is in the cell, 60 x 30 x 20 mm; plans search its grasps'
     assert str(state.message) == made
     brick = state.cell.part("brick")
     assert brick.mass == pytest.approx(0.0432) and brick.symmetry.fold == 2

@@ -122,6 +122,17 @@ def test_a_cell_that_cannot_be_written_leaves_its_parts_and_drafts(edited, place
     assert (folder / DRAFT).exists()
 
 
+def test_what_is_saved_names_the_file_and_what_changed_in_it(edited, place):
+    cell = edited.state.cell
+    moved = replace(cell.bin, T_world_bin=pose_from_rpy((0.02, 0, 0)) * cell.bin.T_world_bin)
+    edited.do(ChangeCell(replace(cell, bin=moved), "moved"), "ada")
+    edited.do(SaveCell(""), "ada")
+    wait_until(lambda: str(edited.state.message).startswith("saved: "))
+    told = str(edited.state.message)
+    assert "the grasps of keyed_cylinder as version 2" in told
+    assert f"{place.parent.name}/{place.name} (the bin was moved by 20.0 mm)" in told
+
+
 def test_files_that_somebody_has_changed_are_not_written_and_read_then(edited, place):
     mine = edited.state.cell.digest
     theirs = place.read_text().replace("position_mm = [410, 0, -5]", "position_mm = [420, 0, -5]")

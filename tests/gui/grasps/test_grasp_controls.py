@@ -334,6 +334,17 @@ def test_the_tab_names_its_part_also_where_the_cell_has_no_other(bench, visitor)
     assert panel._upload._pick._pick.order < panel._part.order, "a new part is made at the top"
 
 
+def test_a_name_is_quoted_as_it_is_at_the_beginning_of_a_sentence(bench, visitor):
+    with_grasps(bench, replace(HAND, name="by_hand"))
+    panel = GraspsPanel(visitor)
+    check = panel._editing.check(grasp_now(bench))
+    assert "&quot;by_hand&quot;: " in check_line("by_hand", check)
+    panel._fields.show(grasp_now(bench), problem="")
+    panel._fields._priority.value = 5
+    panel._fields._take()
+    assert str(bench.state.message) == 'grasp "by_hand" is edited'
+
+
 def test_a_draft_of_one_change_is_told_of_and_one_of_none_is_not(visitor, bench, tmp_path):
     editing = Editing(visitor)
     library = LibraryControls(visitor, editing)

@@ -29,6 +29,7 @@ from workbench.app.runtime.live import Live
 from workbench.app.runtime.record_retries import insist
 from workbench.app.runtime.robot_link import Clock, Do, LinkRunner
 from workbench.app.runtime.worker import GettingReady, Question
+from workbench.formats.cells.differences import difference
 from workbench.formats.cells.edits import log_change, save_cell, written_cell
 from workbench.formats.cells.reading import part_folders, read_cell
 from workbench.formats.files.toml_keys import LARGEST_FILE
@@ -193,13 +194,15 @@ class EffectRunner:
         """
         if self._cell_file is None:
             raise InputError(JobText.NO_CELL_FILE())
-        if not self._is_half_saved and read_cell(self._cell_file).digest != effect.saved:
+        known = None if self._is_half_saved else read_cell(self._cell_file)
+        if known is not None and known.digest != effect.saved:
             raise InputError(JobText.FILES_CHANGED())
         folders = part_folders(self._cell_file, [part.name for part in effect.cell.parts])
         saved, before = list[Message](), read_whole(self._cell_file, LARGEST_FILE)
         filed = tuple(read_part(folders[part.name]) for part in effect.cell.parts)
         # Asked before anything is written: half of it would look like a change from outside.
-        written_cell(self._cell_file, replace(effect.cell, parts=filed))
+        new = replace(effect.cell, parts=filed)
+        written_cell(self._cell_file, new)
         self._is_half_saved = True
         for old, part in zip(filed, effect.cell.parts, strict=True):
             version = save_part(
@@ -216,7 +219,7 @@ class EffectRunner:
                 saved.append(JobText.GRASPS(part=part.name, version=version))
         save_cell(self._cell_file, effect.cell)
         if not saved or read_whole(self._cell_file, LARGEST_FILE) != before:
-            saved.append(JobText.THE_CELL())
+            saved.append(_changes_of(self._cell_file, known, new))
         log_change(self._cell_file, effect.cell, effect.actor, effect.at, effect.remark)
         cell = read_cell(self._cell_file)
         self._is_half_saved = False
@@ -256,3 +259,11 @@ class EffectRunner:
 
     def _show_unrecorded(self, problem: Message | None) -> None:
         self._show(unrecorded=problem)
+
+
+def _changes_of(file: Path, known: Cell | None, new: Cell) -> Message:
+    """The cell file that was written, with what differs; None: what it held is not known."""
+    if known is None:
+        return JobText.THE_CELL()
+    name = f"{file.parent.name}/{file.name}"
+    return JobText.CELL_FILE(file=name, changes=difference(known, new))

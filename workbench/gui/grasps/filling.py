@@ -35,9 +35,9 @@ class FillControls:
         stop = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", disabled=True)
         self._search = GraspSearch(visitor, begin, stop, self._find, editing.notify)
         self._plans_search = gui.add_checkbox(
-            "Plans search grips where none takes a part",
+            "Plans search grasps where none takes a part",
             False,
-            hint="A plan then tries all grips of the tools. The proof checks that such a grip "
+            hint="A plan then tries all grasps of the tools. The proof checks that such a grasp "
             "holds the part.",
         )
 

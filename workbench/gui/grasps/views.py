@@ -80,7 +80,7 @@ def grasps_html(
     if not part.library.entries:
         if part.library.searches:
             return line(
-                "No grasps: plans search grips. Add grasp puts one on the part.", kind="hint"
+                "No grasps: plans search grasps. Add grasp puts one on the part.", kind="hint"
             )
         return line("No grasps yet: press Add grasp, then click on the part.", kind="hint")
     head = "".join(

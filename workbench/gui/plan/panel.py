@@ -33,7 +33,7 @@ class PlanPanel:
         gui = visitor.gui
         self._summary = gui.add_html("")
         self._add_found = gui.add_button(
-            "Add the found grip to the library",
+            "Add the found grasp to the library",
             icon=viser.Icon.PLUS,
             color="gray",
             hint="The next plan tries it before it searches. This plan is void then. "

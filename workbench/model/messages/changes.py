@@ -51,7 +51,7 @@ class FillText(Text, subject="fill"):
         "{taken} of {parts} parts in simulated piles come out, without a search for paths; "
         "{seconds:s} of processor time"
     )
-    STAYS = "no grip of the tools takes the others as they lie: {reasons}"
+    STAYS = "no grasp of the tools takes the others as they lie: {reasons}"
     COUNTED = "{count} {reason}"
     COVERED = "others lie on it"
     MORE_LIFTS = (
@@ -80,7 +80,7 @@ class RemainText(Text, subject="remain"):
     OTHER = "{count} {part} elsewhere"
     ADDED = "{added} of {looked} {part} that were left can be taken with new grasps: {names}"
     KNOWN = "{known} of {looked} {part} that were left can be taken with the grasps of the library"
-    NONE = "no grip of the tools takes the {looked} {part} that were left as they lay"
+    NONE = "no grasp of the tools takes the {looked} {part} that were left as they lay"
 
 
 class GraspChange(Text, subject="grasp-change"):
@@ -91,8 +91,8 @@ class GraspChange(Text, subject="grasp-change"):
     NEW_KIND = "{name} is new, {kind}"
     CHANGED = "{name}: {changes}"
     ORDER = "the order is another"
-    SEARCH = "plans search grips where none takes a part"
-    NO_SEARCH = "plans search no grips"
+    SEARCH = "plans search grasps where none takes a part"
+    NO_SEARCH = "plans search no grasps"
     PAIR = "the pair {first} with {second}"
     PAIR_ORDERED = "the pair {first} then {second}"
     GRASP = "a grasp"
