@@ -1,6 +1,7 @@
 """The tab that finds out where the scanner hangs, without a browser."""
 
 import threading
+from dataclasses import replace
 
 import numpy as np
 from waiting import PATIENCE
@@ -8,6 +9,15 @@ from waiting import PATIENCE
 import workbench.app.calibration.ball_plate
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.gui.calibration.panel import SUGGEST, CalibrationPanel
+from workbench.gui.shared.calibrating import solve
+from workbench.gui.shared.calibration_views import answer_html
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.calibration import BallPlate, Calibration, PlateObservation, PoseResidual
+from workbench.model.messages.calibration import PlateText
+
+OBSERVATION = PlateObservation(
+    "pose 1", "right", np.zeros(7), BallPlate(), np.eye(3), 0.0001, np.ones((4, 3))
+)
 
 
 def test_every_pose_that_may_be_scanned_has_a_row(visitor):
@@ -41,3 +51,25 @@ def test_nothing_is_shown_as_calibrated_before_there_is_a_calibration(visitor, s
     view = view_of(states.idle)
     panel.show(None, view)
     assert view.own.is_calibrated and not panel._after.value and panel._after.disabled
+
+
+def test_too_few_poses_reach_the_page_as_progress(states):
+    found = solve(replace(states.idle, observations=(OBSERVATION,)))
+    assert found.text is PlateText.TOO_FEW_POSES
+    assert "wb-hint" in answer_html(states.idle.cell, found, 1)
+
+
+def test_apply_needs_a_name_and_says_so(visitor, states, view_of, monkeypatch):
+    monkeypatch.setattr(Visitor, "is_known", False)
+    panel = CalibrationPanel(visitor)
+    T = states.idle.cell.scanner.T_world_scanner
+    residuals = (PoseResidual("pose 1", 0.0004, 0.001, "good", ""),)
+    found = Calibration(T, T, residuals, 0.0004, np.diag([1e-8] * 3 + [1e-6] * 3))
+    panel.show(None, old := replace(view_of(states.idle), calibration=found))
+    assert panel._apply.disabled and "Type your name" in panel._apply.hint
+    panel._name.value = "Ada"
+    panel.show(old, old)
+    assert not panel._apply.disabled
+    panel._name.value = "  "
+    panel.show(old, old)
+    assert panel._apply.disabled

@@ -91,6 +91,7 @@ def test_poses_have_residuals_lights_and_reasons(cell, observations):
     assert "Needs &lt;4&gt;." in answer_html(cell, "needs <4>", 2)
     assert answer_html(cell, "needs 4", 0) == ""
     few = PlateText.TOO_FEW_POSES(fewest=4, advised=8, count=1)
+    assert "1 of 4 poses at least; 8 are better." in answer_html(cell, few, 1)
     assert "wb-hint" in answer_html(cell, few, 1) and "wb-bad" in answer_html(cell, "needs 4", 1)
 
 

@@ -160,10 +160,12 @@ def answer_html(
 ) -> str:
     """Before and after, and the standard errors; or why there is no answer yet."""
     if not isinstance(found, Calibration):
+        if not count:
+            return ""
         # Too few poses are what a calibration begins with, and no failure.
-        is_begun = isinstance(found, Message) and found.text is PlateText.TOO_FEW_POSES
-        kind = "hint" if is_begun else "bad"
-        return line(f"{sentence(words.render(found))}.", kind=kind) if count else ""
+        if isinstance(found, Message) and found.text is PlateText.TOO_FEW_POSES:
+            return line(words.render(CalibrationText.PROGRESS(**found.args)), kind="hint")
+        return line(f"{sentence(words.render(found))}.", kind="bad")
     distance, angle, shift = moved_by(cell, found)
     errors = CalibrationText.STANDARD_ERRORS(position=found.position_error, angle=found.angle_error)
     agreement = CalibrationText.AGREEMENT(rms=found.rms, count=found.used)

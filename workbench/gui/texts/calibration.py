@@ -19,6 +19,7 @@ class CalibrationText(Text, subject="page-calibration"):
     FINDINGS_MOVE = "parts in the bin shift by {shift:mm}"
     AGREEMENT = "{rms:mm2} RMS, {count} used"
     STANDARD_ERRORS = "{position:mm2} and {angle:deg3} (standard errors)"
+    PROGRESS = "{count} of {fewest} poses at least; {advised} are better."
     MORE_POSES = "{advised} poses are better than {used}."
     WORST = "worst: {name}, {off}"
     PREDICTED = "{rms} RMS; {worst}"
