@@ -4,6 +4,7 @@ import threading
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from waiting import PATIENCE
 
 import workbench.app.calibration.ball_plate
@@ -73,3 +74,29 @@ def test_apply_needs_a_name_and_says_so(visitor, states, view_of, monkeypatch):
     panel._name.value = "  "
     panel.show(old, old)
     assert panel._apply.disabled
+
+
+@pytest.mark.parametrize(
+    ("source", "text"),
+    [("simulated", "In simulation the scan is taken there"), ("folder", "Drive the robot there")],
+)
+def test_a_suggestion_says_what_the_blue_robot_is(visitor, monkeypatch, cell, source, text):
+    scanner = replace(cell.scanner, source=source, address="scans")
+    monkeypatch.setattr(Visitor, "cell", replace(cell, scanner=scanner))
+    panel = CalibrationPanel(visitor)
+    panel._worked_out = lambda arm, answer: [(np.asarray(arm.home), "<p>way</p>")]
+    panel._suggest_next()
+    assert "The blue robot shows the pose." in panel._way.content
+    assert text in panel._way.content and panel._way.content.endswith("<p>way</p>")
+
+
+def test_the_line_on_a_suggestion_goes_when_jogging_ends(visitor, states, view_of):
+    panel = CalibrationPanel(visitor)
+    view = view_of(states.idle)
+    jogged = replace(view, own=replace(view.own, jog={"right": np.zeros(7)}))
+    panel.show(None, jogged)
+    panel._way.content = "The blue robot shows the pose."
+    panel.show(jogged, jogged)
+    assert panel._way.content
+    panel.show(jogged, view)
+    assert not panel._way.content

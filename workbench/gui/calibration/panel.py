@@ -128,6 +128,8 @@ class CalibrationPanel:
         if self._after.value != is_after:
             self._after.value = is_after
         self._admit_apply(state, new.calibration)
+        if old is not None and old.own.jog is not None and new.own.jog is None:
+            self._way.content = ""
         is_same = (
             old is not None
             and old.state is state
@@ -257,10 +259,15 @@ class CalibrationPanel:
         finally:
             self._suggest.disabled, self._suggest.label = False, SUGGEST
         q, way = left.pop(0)
-        self._way.content = way
         jog = {other.name: np.asarray(other.home) for other in cell.arms} | {arm.name: q}
         visitor.turn_away()
         visitor.own.change(jog=jog, observation=None)
+        self._way.content = self._pose_line(cell) + way
+
+    def _pose_line(self, cell: Cell) -> str:
+        is_simulated = cell.scanner.source == "simulated"
+        text = CalibrationText.POSE_SIMULATED if is_simulated else CalibrationText.POSE_REAL
+        return line(self._visitor.words.render(text()))
 
     def _worked_out(self, arm: Arm, found: Calibration | None) -> list[tuple[Floats, str]]:
         """Poses to suggest and the way to each; the best first where there is an answer."""

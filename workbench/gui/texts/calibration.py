@@ -11,6 +11,8 @@ class CalibrationText(Text, subject="page-calibration"):
         "The {arm} arm carries the scanner. Fix the plate where the scanner sees it from its view; "
         "it must not move between scans."
     )
+    POSE_SIMULATED = "The blue robot shows the pose. In simulation the scan is taken there."
+    POSE_REAL = "The blue robot shows the pose. Drive the robot there, then scan the plate."
     NEVER = "The scanner was never calibrated."
     RECORD = "Calibrated {at} by {person}: {count} {count:pose|poses}, {rms:mm2} RMS."
     RECORD_CORNERS = "Error at the corners of the bin: up to {error:mm2} (95%)."
