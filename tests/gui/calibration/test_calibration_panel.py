@@ -9,6 +9,8 @@ from waiting import PATIENCE
 
 import workbench.app.calibration.ball_plate
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.shipped import find
 from workbench.gui.calibration.panel import SUGGEST, CalibrationPanel
 from workbench.gui.shared.calibrating import solve
 from workbench.gui.shared.calibration_views import answer_html
@@ -100,3 +102,14 @@ def test_the_line_on_a_suggestion_goes_when_jogging_ends(visitor, states, view_o
     assert panel._way.content
     panel.show(jogged, view)
     assert not panel._way.content
+
+
+def test_the_arm_with_the_scanner_is_named_only_where_there_are_two(visitor, states, view_of):
+    panel, state = CalibrationPanel(visitor), states.idle
+    cell = read_cell(find("robots", "tx2_90") / "on_arm.toml")
+    view = view_of(replace(state, cell=cell))
+    assert "The arm carries the scanner." in panel._says_where(view)
+    assert "the plate must not move" in panel._says_where(view)
+    both = replace(cell, arms=(*cell.arms, replace(cell.arms[0], name="other")))
+    two = replace(view, state=replace(state, cell=both))
+    assert f"The {cell.arms[0].name} arm carries" in panel._says_where(two)

@@ -97,7 +97,7 @@ class CalibrationPanel:
             self._remove = gui.add_button("Remove", icon=viser.Icon.TRASH, color="red")
         with group(gui, "3 · Review and apply"):
             self._after = gui.add_checkbox(
-                "As calibrated", False, hint="Off: where the cell has the scanner now."
+                "Show with new calibration", False, hint="Off: where the cell has the scanner now."
             )
             self._overlay = gui.add_html("")
             self._answer = gui.add_html("")
@@ -175,7 +175,10 @@ class CalibrationPanel:
         carrier, where = view.state.cell.scanner.on_arm, line(self._scan_place(view), kind="hint")
         if carrier is None:
             return where
-        return line(self._visitor.words.render(CalibrationText.CARRIED(arm=carrier.arm))) + where
+        text = CalibrationText.CARRIED(arm=carrier.arm)
+        if len(view.state.cell.arms) == 1:
+            text = CalibrationText.CARRIED_BY_ONLY_ARM()
+        return line(self._visitor.words.render(text)) + where
 
     def _scan_place(self, view: View) -> str:
         if view.state.cell.scanner.source != "simulated":
@@ -252,7 +255,9 @@ class CalibrationPanel:
                 left = self._worked_out(arm, answer)
                 self._suggested = (key, left)
             if not left:
-                raise InputError(CalibrationText.NO_POSE(arm=arm.name))
+                is_only = len(cell.arms) == 1
+                text = CalibrationText.NO_POSE_OF_ONLY_ARM() if is_only else None
+                raise InputError(text or CalibrationText.NO_POSE(arm=arm.name))
         except InputError as error:
             visitor.notify("No suggestion", visitor.words.render(error.message))
             return

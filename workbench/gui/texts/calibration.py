@@ -9,7 +9,11 @@ class CalibrationText(Text, subject="page-calibration"):
     OLD = "Calibrated {days} {days:day|days} ago; limit: {limit} days."
     CARRIED = (
         "The {arm} arm carries the scanner. Fix the plate where the scanner sees it from its view; "
-        "it must not move between scans."
+        "the plate must not move between scans."
+    )
+    CARRIED_BY_ONLY_ARM = (
+        "The arm carries the scanner. Fix the plate where the scanner sees it from its view; "
+        "the plate must not move between scans."
     )
     POSE_SIMULATED = "The blue robot shows the pose. In simulation the scan is taken there."
     POSE_REAL = "The blue robot shows the pose. Drive the robot there, then scan the plate."
@@ -42,6 +46,7 @@ class CalibrationText(Text, subject="page-calibration"):
     OVERLAY_NONE = "none"
     OVERLAY_MIDDLE = "median distance {distance:mm}"
     NO_POSE = "The {arm} arm reaches no pose in which the scanner sees the plate."
+    NO_POSE_OF_ONLY_ARM = "The arm reaches no pose in which the scanner sees the plate."
     SPACING = "{off:mm2} (limit {limit:mm2})"
     SCALE = "{share} % ± {error} % (99% confidence)"
     SCALE_OPEN = "{share} %; one distance does not show how sure"
