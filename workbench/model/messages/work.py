@@ -22,6 +22,7 @@ class JobText(Text, subject="job"):
     UNRECORDED = "the journal cannot be written, so nothing was done: {error}"
     SAVED = "saved: {things}"
     THE_CELL = "the cell"
+    VIEWS_BY_JOINTS = "views by joints, so that the arm still scans from the same postures"
     GRASPS = "the grasps of {part} as version {version}"
     SIZE = "the size of {part}"
     NO_CELL_FILE = "this session has no cell file"
