@@ -51,7 +51,7 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, served, b
     screen.wait_for("Points near the robot: median distance")
     screen.page.wait_for_timeout(1500)
     screen.shoot("calibration")
-    screen.page.get_by_text("As calibrated", exact=True).click()
+    screen.page.get_by_text("Show with new calibration", exact=True).click()
     screen.page.wait_for_timeout(1500)
     screen.shoot("calibration-before")
     screen.press("Leave out")

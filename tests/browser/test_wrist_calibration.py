@@ -61,7 +61,7 @@ def test_a_scanner_that_hangs_elsewhere_on_its_flange_is_found_and_put_right(
     screen.wait_for("Points near bin, fixtures and robot: median distance")
     screen.page.wait_for_timeout(1500)
     screen.shoot("wrist-overlay")
-    screen.page.get_by_text("As calibrated", exact=True).click()
+    screen.page.get_by_text("Show with new calibration", exact=True).click()
     screen.page.wait_for_timeout(1500)
     screen.shoot("wrist-before")
     screen.press("Leave out")

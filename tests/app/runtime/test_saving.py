@@ -226,3 +226,33 @@ def test_the_bin_that_is_chosen_is_moved_and_saved_into_its_own_table(place, tmp
     finally:
         watch.close()
         bench.close()
+
+
+@pytest.mark.parametrize(
+    ("view", "is_named"),
+    [
+        ("position_mm = [410, 0, 480]\nrpy_deg = [180, 0, 90]", True),
+        ("joints_deg = [-90.3, -33.9, 23.4, 81.2, 109.7, 17.7, 36]", False),
+    ],
+)
+def test_saving_says_when_a_calibration_turns_views_into_joints(place, tmp_path, view, is_named):
+    path = place.with_name("on_arm.toml")
+    joints = "joints_deg = [-90.3, -33.9, 23.4, 81.2, 109.7, 17.7, 36]"
+    assert joints in path.read_text()
+    path.write_text(path.read_text().replace(joints, view, 1))
+    machines = partial(EffectRunner, cell_file=path, module="tiny_work")
+    bench = Bench(read_cell(path), Journal(tmp_path / "session"), effects=machines)
+    try:
+        scanner = bench.state.cell.scanner
+        shift = pose_from_rpy((0.002, 0, 0), (0, 0, 0))
+        moved = replace(scanner.on_arm, T_flange_scanner=scanner.on_arm.T_flange_scanner * shift)
+        cell = replace(bench.state.cell, scanner=replace(scanner, on_arm=moved))
+        bench.do(ChangeCell(cell, "calibrated"), "ada")
+        bench.do(SaveCell(""), "ada")
+        wait_until(lambda: str(bench.state.message).startswith("saved: the cell"))
+        assert ("views by joints" in str(bench.state.message)) == is_named
+        assert read_cell(path).scanner.on_arm.view.q.tolist() == pytest.approx(
+            scanner.on_arm.view.q.tolist(), abs=1e-6
+        )
+    finally:
+        bench.close()

@@ -82,8 +82,10 @@ def test_poses_have_residuals_lights_and_reasons(cell, observations):
     T = cell.scanner.T_world_scanner * pose_from_rpy((0.003, 0.004, 0), (0, 0, np.deg2rad(2)))
     found = Calibration(T, T, residuals, 0.0004, np.diag([1e-8] * 3 + [1e-6] * 3))
     html = poses_html(observations, found, None, ("a", "b"))
-    assert "0.61 mm 0.07°" in html and ">open<" in html
-    assert "0.42 mm" in html and "2.86°" in html and "12.0 mm &lt;off&gt;" in html
+    heads = ("Residual [mm]", "Residual [deg]", "Cross-check [mm, deg]")
+    assert all(head in html for head in heads) and "°" not in html
+    assert ">0.61, 0.07<" in html and ">open<" in html
+    assert ">0.42<" in html and ">2.86<" in html and "12.0 mm &lt;off&gt;" in html
     answer = answer_html(cell, found, 2)
     assert "5.0 mm and 2.00 deg" in answer and "8 poses are better than 1" in answer
     assert "worst: pose 1, 0.61 mm, 0.07 deg" in answer
@@ -91,6 +93,7 @@ def test_poses_have_residuals_lights_and_reasons(cell, observations):
     assert "Needs &lt;4&gt;." in answer_html(cell, "needs <4>", 2)
     assert answer_html(cell, "needs 4", 0) == ""
     few = PlateText.TOO_FEW_POSES(fewest=4, advised=8, count=1)
+    assert "1 of 4 poses at least; 8 are better." in answer_html(cell, few, 1)
     assert "wb-hint" in answer_html(cell, few, 1) and "wb-bad" in answer_html(cell, "needs 4", 1)
 
 

@@ -99,3 +99,17 @@ def test_no_note_of_a_loss_follows_hand_over_and_release(strip, visitor, bench, 
 
 def test_a_request_says_where_its_buttons_are(strip, visitor):
     assert visitor.client.told[-1] == "Hand over or Keep, in the panel."
+
+
+def test_a_request_is_answered_in_the_row_of_the_line(visitor, bench, view_of, clock):
+    def row():
+        shown = (strip._line, strip._ask, strip._back, strip._take, strip._give, strip._keep)
+        return [control for control in shown if control.visible]
+
+    bench.do(TakeControl(), "Ada", Role.ENGINEER)
+    strip = ControlStrip(visitor)
+    strip.show(None, before := view_of(bench.state))
+    assert row() == [strip._line, strip._back]
+    bench.do(AskForControl(), "Bob", Role.OPERATOR)
+    strip.show(before, view_of(bench.state))
+    assert row() == [strip._give, strip._keep], "one row of two columns, as before"

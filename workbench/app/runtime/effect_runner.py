@@ -30,7 +30,12 @@ from workbench.app.runtime.record_retries import insist
 from workbench.app.runtime.robot_link import Clock, Do, LinkRunner
 from workbench.app.runtime.worker import GettingReady, Question
 from workbench.formats.cells.differences import difference
-from workbench.formats.cells.edits import log_change, save_cell, written_cell
+from workbench.formats.cells.edits import (
+    has_fewer_pose_views,
+    log_change,
+    save_cell,
+    written_cell,
+)
 from workbench.formats.cells.reading import part_folders, read_cell
 from workbench.formats.files.toml_keys import LARGEST_FILE
 from workbench.formats.files.whole_files import read_whole
@@ -218,8 +223,11 @@ class EffectRunner:
             if version is not None:
                 saved.append(JobText.GRASPS(part=part.name, version=version))
         save_cell(self._cell_file, effect.cell)
-        if not saved or read_whole(self._cell_file, LARGEST_FILE) != before:
+        after = read_whole(self._cell_file, LARGEST_FILE)
+        if not saved or after != before:
             saved.append(_changes_of(self._cell_file, known, new))
+        if has_fewer_pose_views(before, after):
+            saved.append(JobText.VIEWS_BY_JOINTS())
         log_change(self._cell_file, effect.cell, effect.actor, effect.at, effect.remark)
         cell = read_cell(self._cell_file)
         self._is_half_saved = False

@@ -1,5 +1,6 @@
 """Changes of a cell written into the file that people wrote: only what differs, comments stay."""
 
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -231,6 +232,21 @@ def _keep_postures(table: Any, arm: Arm, carrier: ArmScanner) -> None:
         if view.pop("position_mm", None) is not None or "rpy_deg" in view:
             view.pop("rpy_deg", None)
             view["joints_deg"] = shorts(np.rad2deg(to_controller(arm, posture.q)))
+
+
+def has_fewer_pose_views(before: bytes, after: bytes) -> bool:
+    """Whether a saved cell file states views by joints that it stated by the scanner's pose.
+
+    Args:
+        before: text of the cell file before it was saved.
+        after: its text now.
+    """
+    return _count_pose_views(after) < _count_pose_views(before)
+
+
+def _count_pose_views(text: bytes) -> int:
+    view = tomllib.loads(text.decode()).get("scanner", {}).get("on_arm", {}).get("view", [])
+    return sum("joints_deg" not in each for each in (view if isinstance(view, list) else [view]))
 
 
 def _edit_places(table: Any, old: Arm, new: Arm) -> None:

@@ -10,6 +10,7 @@ from workbench.app.calibration.calibration import compute_calibration, with_cali
 from workbench.app.core.cell.changes import ChangeCell, SaveCell
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.scanning import SightPlate, UseObservations
+from workbench.app.core.state import State
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.gui.calibration.checks import ChecksGroups, arm_joints
 from workbench.gui.calibration.drift import DriftGroup
@@ -31,6 +32,7 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.messages.commands import EditText
+from workbench.model.messages.message import Message
 
 MOST_ROWS = MOST_OBSERVATIONS
 
@@ -38,6 +40,8 @@ SUGGESTED = 12
 """Poses that are suggested one after the other."""
 
 SUGGEST = "Suggest a pose"
+
+NAME_MISSING = "type your name: it is kept with the calibration"
 
 CHOOSE = "choose a pose in the list first"
 
@@ -93,7 +97,7 @@ class CalibrationPanel:
             self._remove = gui.add_button("Remove", icon=viser.Icon.TRASH, color="red")
         with group(gui, "3 · Review and apply"):
             self._after = gui.add_checkbox(
-                "As calibrated", False, hint="Off: where the cell has the scanner now."
+                "Show with new calibration", False, hint="Off: where the cell has the scanner now."
             )
             self._overlay = gui.add_html("")
             self._answer = gui.add_html("")
@@ -123,6 +127,9 @@ class CalibrationPanel:
         is_after = new.own.is_calibrated and isinstance(new.calibration, Calibration)
         if self._after.value != is_after:
             self._after.value = is_after
+        self._admit_apply(state, new.calibration)
+        if old is not None and old.own.jog is not None and new.own.jog is None:
+            self._way.content = ""
         is_same = (
             old is not None
             and old.state is state
@@ -148,15 +155,30 @@ class CalibrationPanel:
         if chosen is not None and chosen < len(observations):
             self._leave.label = "Leave out" if observations[chosen].is_used else "Use again"
         self._after.disabled = not isinstance(found, Calibration)
-        missing = "" if isinstance(found, Calibration) else found or "scan the plate first"
-        admit(self._apply, state, ChangeCell, otherwise=missing)
         admit(self._save, state, SaveCell, otherwise=not_saved(state))
+
+    def _admit_apply(self, state: State, found: Calibration | Message | str) -> None:
+        """Enable Apply where there is a calibration and a name; else it states what is missing."""
+        missing = "" if isinstance(found, Calibration) else found or "scan the plate first"
+        if not missing and not self._name_typed:
+            missing = NAME_MISSING
+        text = missing if isinstance(missing, str) else self._visitor.words.render(missing)
+        self._visitor.admit(self._apply, state, ChangeCell, otherwise=text)
+
+    @property
+    def _name_typed(self) -> str:
+        """The name of the person; empty where nobody has logged in or typed it."""
+        visitor = self._visitor
+        return visitor.person.name if visitor.is_known else self._name.value.strip()
 
     def _says_where(self, view: View) -> str:
         carrier, where = view.state.cell.scanner.on_arm, line(self._scan_place(view), kind="hint")
         if carrier is None:
             return where
-        return line(self._visitor.words.render(CalibrationText.CARRIED(arm=carrier.arm))) + where
+        text = CalibrationText.CARRIED(arm=carrier.arm)
+        if len(view.state.cell.arms) == 1:
+            text = CalibrationText.CARRIED_BY_ONLY_ARM()
+        return line(self._visitor.words.render(text)) + where
 
     def _scan_place(self, view: View) -> str:
         if view.state.cell.scanner.source != "simulated":
@@ -175,6 +197,7 @@ class CalibrationPanel:
         visitor.on_press(self._apply, self._apply_calibration)
         visitor.on_press(self._save, lambda: SaveCell("calibrated"))
         self._suggest.on_click(lambda _: self._suggest_next())
+        visitor.by_hand(self._name, lambda _: own.change())
         visitor.by_hand(self._after, lambda after: own.change(is_calibrated=bool(after)))
 
     def _look_at(self, number: int) -> None:
@@ -216,40 +239,49 @@ class CalibrationPanel:
             cell, arm = visitor.cell, self._moved_arm(visitor.cell)
             state = visitor.bench.state
             observations, found = state.observations, solve(state)
-            is_solved = isinstance(found, Calibration) and observations[-1].arm == arm.name
+            answer = None
+            if isinstance(found, Calibration) and observations[-1].arm == arm.name:
+                answer = found
             known, left = self._suggested
             key = (cell.digest, arm.name, self._ball.value, self._sides.value)
             if cell.scanner.on_arm is not None:
                 key = (*key, bool(observations))
-            if is_solved:
+            if answer is not None:
                 key = (
                     *key,
                     *((observation.name, observation.is_used) for observation in observations),
                 )
             if known != key or not left:
-                left = self._worked_out(arm, found if is_solved else "")
+                left = self._worked_out(arm, answer)
                 self._suggested = (key, left)
             if not left:
-                raise InputError(CalibrationText.NO_POSE(arm=arm.name))
+                is_only = len(cell.arms) == 1
+                text = CalibrationText.NO_POSE_OF_ONLY_ARM() if is_only else None
+                raise InputError(text or CalibrationText.NO_POSE(arm=arm.name))
         except InputError as error:
             visitor.notify("No suggestion", visitor.words.render(error.message))
             return
         finally:
             self._suggest.disabled, self._suggest.label = False, SUGGEST
         q, way = left.pop(0)
-        self._way.content = way
         jog = {other.name: np.asarray(other.home) for other in cell.arms} | {arm.name: q}
         visitor.turn_away()
         visitor.own.change(jog=jog, observation=None)
+        self._way.content = self._pose_line(cell) + way
 
-    def _worked_out(self, arm: Arm, found: Calibration | str) -> list[tuple[Floats, str]]:
+    def _pose_line(self, cell: Cell) -> str:
+        is_simulated = cell.scanner.source == "simulated"
+        text = CalibrationText.POSE_SIMULATED if is_simulated else CalibrationText.POSE_REAL
+        return line(self._visitor.words.render(text()))
+
+    def _worked_out(self, arm: Arm, found: Calibration | None) -> list[tuple[Floats, str]]:
         """Poses to suggest and the way to each; the best first where there is an answer."""
         # Open3D takes a second to load: the page does not wait for it.
         from workbench.app.calibration import ball_plate
         from workbench.app.calibration.next_pose import next_poses
 
         cell, observations = self._visitor.cell, self._visitor.bench.state.observations
-        if isinstance(found, str):
+        if found is None:
             qs = ball_plate.first_poses(
                 cell, arm, self._plate(), SUGGESTED, seed=0, observations=observations
             )
@@ -283,10 +315,8 @@ class CalibrationPanel:
         return UseObservations(rest, EditText.POSE_REMOVED(pose=observations[number].name))
 
     def _who(self) -> str:
-        visitor = self._visitor
-        by = visitor.person.name if visitor.is_known else self._name.value.strip()
-        if not by:
-            raise InputError("type your name: it is kept with the calibration")
+        if not (by := self._name_typed):
+            raise InputError(NAME_MISSING)
         return by
 
     def _apply_calibration(self) -> Command:

@@ -91,13 +91,14 @@ class ControlStrip:
         words = self._visitor.words
         held = line(words.render(control_message(state, me.name)), span=1)
         self._line.content = f'<div class="wb-control">{held}</div>'
-        self._line.visible = self._visitor.is_known or not is_free
+        asks = state.asking[0] if is_mine and state.asking else ""
+        # Their answers lie in the same row as the line, so that nothing below moves.
+        self._line.visible = (self._visitor.is_known or not is_free) and not asks
         self._take.visible = acts and not is_mine and (is_free or me.role.covers(Role.ENGINEER))
         self._take.label = "Take control" if is_free else "Take over"
         self._ask.visible = acts and not is_mine and not is_free
         self._ask.disabled = me.name in state.asking
-        self._back.visible = is_mine
-        asks = state.asking[0] if is_mine and state.asking else ""
+        self._back.visible = is_mine and not asks
         self._give.visible = self._keep.visible = bool(asks)
         self._give.label = words.render(PageText.HAND_OVER(person=asks))
         if asks and asks != self._told:
@@ -132,8 +133,6 @@ def control_message(state: State, me: str) -> Message | str:
     if not state.control:
         return "Nobody has taken control; operators and engineers may act."
     if state.control == me:
-        if state.asking:
-            return PageText.IN_CONTROL_ASKED(person=state.asking[0])
         return PageText.IN_CONTROL()
     is_asking = me in state.asking
     text = PageText.OTHER_ASKED if is_asking else PageText.OTHER_IN_CONTROL

@@ -58,7 +58,7 @@ STANDS = {
 ENDS = {
     Mode.PREVIEW: "Ends with To the start, or Send",
     Mode.END: "Ends with To the start, or Send",
-    Mode.JOG: "Ends with End jogging, Play, or Send",
+    Mode.JOG: "Ends with End jogging in the tab Cell, Play, or Send",
     Mode.POSE: "Ends with a click on the row, Play, or Send",
     Mode.FILM: "Ends with End film, and with the next scan, plan, preview or sending",
 }

@@ -32,7 +32,7 @@ from workbench.gui.page.tabs import tabs_of
 from workbench.gui.page.theme import Theme
 from workbench.gui.scene.picture import ScenePicture
 from workbench.gui.shared.calibrating import solve
-from workbench.gui.shared.look import Look, Pose, SharedLook, View
+from workbench.gui.shared.look import CalibrationAnswer, Look, Pose, SharedLook, View
 from workbench.gui.shared.playback import Run, timeline
 from workbench.gui.shared.viser_server import (
     language_of,
@@ -44,7 +44,6 @@ from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.counting import EntryCounter
 from workbench.gui.texts.page import PageText
 from workbench.gui.words.translation import speak
-from workbench.model.calibration import Calibration
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.prediction import Predictions
@@ -287,7 +286,7 @@ class Renderer:
             self._sureness.of(state, look.candidate),
         )
 
-    def _calibration(self, state: State) -> Calibration | str:
+    def _calibration(self, state: State) -> CalibrationAnswer:
         """The calibration from the scanned poses, computed again when they have changed."""
         before = self._drawn
         if (

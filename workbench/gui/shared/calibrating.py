@@ -12,6 +12,7 @@ from workbench.model.calibration import Calibration, PlateObservation
 from workbench.model.derived.scanner_poses import scanner_pose, with_scanner_at
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
 from workbench.planning.kinematics.robot import Kinematics
 
 KNOWN_WITHIN = 0.025
@@ -39,12 +40,12 @@ class Overlay:
     middle: float | None
 
 
-def solve(state: State) -> Calibration | str:
+def solve(state: State) -> Calibration | Message:
     """The calibration from the scanned poses, or why there is none."""
     try:
         return compute_calibration(state.cell, state.observations)
     except InputError as error:
-        return str(error)
+        return error.message
 
 
 def overlay(state: State, observation: PlateObservation, found: Calibration | None) -> Overlay:

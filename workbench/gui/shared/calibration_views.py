@@ -114,9 +114,12 @@ def poses_html(
     )
     return (
         '<div class="wb-rows wb-poses"><table class="wb-table"><thead><tr><th>Pose</th>'
-        '<th class="wb-number">Off</th><th class="wb-number">Turned</th>'
-        '<th class="wb-number" title="How far it is from where the other poses alone predict it.">'
-        "By the others</th><th>Counts</th>"
+        '<th class="wb-number" title="How far the plate is from where all poses together put it.">'
+        'Residual [mm]</th><th class="wb-number" '
+        'title="How much the plate is turned from how all poses together put it.">'
+        'Residual [deg]</th><th class="wb-number" '
+        'title="How far it is from where the other poses alone predict it.">'
+        "Cross-check [mm, deg]</th><th>Counts</th>"
         f"</tr></thead><tbody>{body}</tbody></table></div>"
     )
 
@@ -131,11 +134,11 @@ def _pose_row(
     distance = angle = predicted = ""
     says, colour = "yes" if observation.is_used else "left out by a person", MUTED
     if residual is not None:
-        distance, angle = mm(residual.distance, 2), _degrees(residual.angle)
+        distance, angle = _millimetres(residual.distance), _degrees(residual.angle)
         predicted = "open"
         if residual.predicted is not None:
             shift, turn = residual.predicted
-            predicted = f"{mm(shift, 2)} {_degrees(turn)}"
+            predicted = f"{_millimetres(shift)}, {_degrees(turn)}"
         colour = LIGHTS[residual.light]
         says = words.render(residual.left_out) or "yes"
     dot = badge(colour, observation.name)
@@ -146,9 +149,14 @@ def _pose_row(
     )
 
 
+def _millimetres(length: float) -> str:
+    """A length [m] in the unit of the column's head."""
+    return f"{length * 1000:.2f}"
+
+
 def _degrees(angle: float) -> str:
-    """An angle [rad] as short as a narrow column needs it."""
-    return f"{np.rad2deg(angle):.2f}°"
+    """An angle [rad] in the unit of the column's head."""
+    return f"{np.rad2deg(angle):.2f}"
 
 
 def _off(shift_and_turn: tuple[float, float]) -> Message:
@@ -160,10 +168,12 @@ def answer_html(
 ) -> str:
     """Before and after, and the standard errors; or why there is no answer yet."""
     if not isinstance(found, Calibration):
+        if not count:
+            return ""
         # Too few poses are what a calibration begins with, and no failure.
-        is_begun = isinstance(found, Message) and found.text is PlateText.TOO_FEW_POSES
-        kind = "hint" if is_begun else "bad"
-        return line(f"{sentence(words.render(found))}.", kind=kind) if count else ""
+        if isinstance(found, Message) and found.text is PlateText.TOO_FEW_POSES:
+            return line(words.render(CalibrationText.PROGRESS(**found.args)), kind="hint")
+        return line(f"{sentence(words.render(found))}.", kind="bad")
     distance, angle, shift = moved_by(cell, found)
     errors = CalibrationText.STANDARD_ERRORS(position=found.position_error, angle=found.angle_error)
     agreement = CalibrationText.AGREEMENT(rms=found.rms, count=found.used)

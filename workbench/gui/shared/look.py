@@ -34,6 +34,10 @@ AFTER_CYCLE = frozenset({Phase.DONE, Phase.FAULT})
 """Phases in which the plan has moved the robot, which does not stand at its start any more."""
 
 
+CalibrationAnswer = Calibration | Message | str
+"""Result from the scanned poses, or why there is none."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class DraggedThing:
     """What somebody drags: `name` is the person's, `browser` theirs, `T_world_held` where it is."""
@@ -201,7 +205,7 @@ class View:
     help: Help = NO_HELP
     reached: tuple[Floats, Floats] | None = None
     statistics: Statistics = NOT_COUNTED
-    calibration: Calibration | str = ""
+    calibration: CalibrationAnswer = ""
     bin_check: BinCheck | None = None
     is_recorded: bool = False
     unseen: tuple[tuple[float, float], ...] = ()

@@ -9,8 +9,14 @@ class CalibrationText(Text, subject="page-calibration"):
     OLD = "Calibrated {days} {days:day|days} ago; limit: {limit} days."
     CARRIED = (
         "The {arm} arm carries the scanner. Fix the plate where the scanner sees it from its view; "
-        "it must not move between scans."
+        "the plate must not move between scans."
     )
+    CARRIED_BY_ONLY_ARM = (
+        "The arm carries the scanner. Fix the plate where the scanner sees it from its view; "
+        "the plate must not move between scans."
+    )
+    POSE_SIMULATED = "The blue robot shows the pose. In simulation the scan is taken there."
+    POSE_REAL = "The blue robot shows the pose. Drive the robot there, then scan the plate."
     NEVER = "The scanner was never calibrated."
     RECORD = "Calibrated {at} by {person}: {count} {count:pose|poses}, {rms:mm2} RMS."
     RECORD_CORNERS = "Error at the corners of the bin: up to {error:mm2} (95%)."
@@ -19,6 +25,7 @@ class CalibrationText(Text, subject="page-calibration"):
     FINDINGS_MOVE = "parts in the bin shift by {shift:mm}"
     AGREEMENT = "{rms:mm2} RMS, {count} used"
     STANDARD_ERRORS = "{position:mm2} and {angle:deg3} (standard errors)"
+    PROGRESS = "{count} of {fewest} poses at least; {advised} are better."
     MORE_POSES = "{advised} poses are better than {used}."
     WORST = "worst: {name}, {off}"
     PREDICTED = "{rms} RMS; {worst}"
@@ -39,6 +46,7 @@ class CalibrationText(Text, subject="page-calibration"):
     OVERLAY_NONE = "none"
     OVERLAY_MIDDLE = "median distance {distance:mm}"
     NO_POSE = "The {arm} arm reaches no pose in which the scanner sees the plate."
+    NO_POSE_OF_ONLY_ARM = "The arm reaches no pose in which the scanner sees the plate."
     SPACING = "{off:mm2} (limit {limit:mm2})"
     SCALE = "{share} % ± {error} % (99% confidence)"
     SCALE_OPEN = "{share} %; one distance does not show how sure"

@@ -13,7 +13,6 @@ class PageText(Text, subject="page-frame"):
     HAND_OVER = "Hand over to {person}"
     ASKS = "{person} asks for control"
     IN_CONTROL = "You are in control."
-    IN_CONTROL_ASKED = "You are in control. {person} asks for it."
     OTHER_IN_CONTROL = "{person} is in control."
     OTHER_ASKED = "{person} is in control, you have asked."
     ENTRY = "Entry {number} of {total}"

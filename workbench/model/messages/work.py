@@ -23,6 +23,7 @@ class JobText(Text, subject="job"):
     SAVED = "saved: {things}"
     THE_CELL = "the cell"
     CELL_FILE = "{file} ({changes})"
+    VIEWS_BY_JOINTS = "views by joints, so that the arm still scans from the same postures"
     GRASPS = "the grasps of {part} as version {version}"
     SIZE = "the size of {part}"
     NO_CELL_FILE = "this session has no cell file"
