@@ -1,6 +1,7 @@
 """What the page says of calibration, bin, searches and remarks."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,6 +28,8 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.calibration import PlateText
 from workbench.model.messages.message import plain
 from workbench.model.scan import PosesFolder, Remark, SearchOverrides, SearchRecord
+
+STATIC = Path(__file__).parents[3] / "static"
 
 NOW = 1_760_000_000.0
 DAY = 86_400.0
@@ -95,6 +98,11 @@ def test_poses_have_residuals_lights_and_reasons(cell, observations):
     few = PlateText.TOO_FEW_POSES(fewest=4, advised=8, count=1)
     assert "1 of 4 poses at least; 8 are better." in answer_html(cell, few, 1)
     assert "wb-hint" in answer_html(cell, few, 1) and "wb-bad" in answer_html(cell, "needs 4", 1)
+
+
+def test_heads_of_the_poses_break_so_that_their_units_are_seen():
+    css = (STATIC / "page.css").read_text(encoding="utf-8")
+    assert ".wb-poses .wb-table thead th { white-space: normal" in css
 
 
 def test_searches_stand_side_by_side(detections):
