@@ -5,11 +5,18 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.plan import NO_PART, Leg, PlanResult, Step
 
 OVER_BIN = np.deg2rad([-105.69, -49.44, 76.84, 39.27, 56.97, 11.99, 60.0])
 """[rad] Where the right arm of cell `yumi` has its hand 0.2 m over the bin, pointing down."""
+
+
+def keeping_hand(cell: Cell) -> Cell:
+    """A cell whose robot link begins with something in the hand."""
+    motion = replace(cell.controller.motion, keeps_hand=True)
+    return replace(cell, controller=replace(cell.controller, motion=motion))
 
 
 def drop_result(samples, cell, held: str = "unknown") -> PlanResult:

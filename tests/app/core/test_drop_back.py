@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from dropping import drop_result
+from dropping import drop_result, keeping_hand
 from line import Line, make_plan, refused, send
 from samples import Samples
 
@@ -28,10 +28,7 @@ from workbench.model.tools.held_body import HeldAmount, with_held
 
 @pytest.fixture
 def cell(make_cell):
-    """A cell whose robot link begins with something in the hand."""
-    made = make_cell()
-    motion = replace(made.controller.motion, keeps_hand=True)
-    return replace(made, controller=replace(made.controller, motion=motion))
+    return keeping_hand(make_cell())
 
 
 @pytest.fixture

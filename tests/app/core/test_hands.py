@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from dropping import keeping_hand
 from line import Line, refused, send
 from samples import Samples
 
@@ -26,10 +27,7 @@ from workbench.model.release import PartReport
 
 @pytest.fixture
 def cell(make_cell):
-    """A cell whose robot link begins with something in the hand."""
-    made = make_cell()
-    motion = replace(made.controller.motion, keeps_hand=True)
-    return replace(made, controller=replace(made.controller, motion=motion))
+    return keeping_hand(make_cell())
 
 
 @pytest.fixture
