@@ -249,7 +249,7 @@ def test_saving_says_when_a_calibration_turns_views_into_joints(place, tmp_path,
         cell = replace(bench.state.cell, scanner=replace(scanner, on_arm=moved))
         bench.do(ChangeCell(cell, "calibrated"), "ada")
         bench.do(SaveCell(""), "ada")
-        wait_until(lambda: str(bench.state.message).startswith("saved: the cell"))
+        wait_until(lambda: str(bench.state.message).startswith("saved: "))
         assert ("views by joints" in str(bench.state.message)) == is_named
         assert read_cell(path).scanner.on_arm.view.q.tolist() == pytest.approx(
             scanner.on_arm.view.q.tolist(), abs=1e-6

@@ -56,6 +56,10 @@ def _fields(operation: Mapping[str, Any]) -> str:
 
 
 def _kind(field: Mapping[str, Any]) -> str:
+    if "anyOf" in field:
+        return " or ".join(map(_kind, field["anyOf"]))
+    if "items" in field:
+        return f"array of up to {field['maxItems']}: {_kind(field['items'])}"
     if "enum" in field:
         return " | ".join(field["enum"])
     if "minimum" in field:
