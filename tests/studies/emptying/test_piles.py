@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from workbench.app.emptying import empty
+from workbench.app.emptying.film import Shot
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
 from workbench.model.part import GraspLibrary, Part
@@ -91,9 +92,9 @@ def test_parts_that_the_cell_does_not_pick_can_be_piled_up():
 
 def test_a_pile_that_failed_picks_have_ended_says_so(monkeypatch):
     def missed(cell, task, plan, lying, tally):
-        return [arm.detection for arm in plan.arms], ()
+        return Shot(plan, tuple(lying), ()), [arm.detection for arm in plan.arms]
 
-    monkeypatch.setattr(empty, "_carry_out", missed)
+    monkeypatch.setattr(empty, "carry_out_plan", missed)
     monkeypatch.setattr(empty, "left_alone", lambda detections, failed: {})
     scene = empty_pile(PILE)
     assert {left.kind for left in scene.left} >= {"stopped"}
