@@ -162,6 +162,11 @@ class Mesh:
         """Of the box around it (3,) [m]."""
         return (self.points.min(axis=0) + self.points.max(axis=0)) / 2
 
+    @property
+    def diameter(self) -> float:
+        """Of the ball about its middle that holds it [m]: no two points are farther apart."""
+        return 2 * float(np.linalg.norm(self.points - self.middle, axis=1).max())
+
 
 Shape = Box | Cylinder | Capsule | Sphere | Mesh
 

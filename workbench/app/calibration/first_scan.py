@@ -69,9 +69,7 @@ class FirstScan:
 
 def largest_of(parts: Sequence[Part]) -> float:
     """Diameter of the largest of some parts [m]; 0 of none."""
-    meshes = [part.mesh for part in parts]
-    reaches = [np.linalg.norm(mesh.points - mesh.middle, axis=1).max() for mesh in meshes]
-    return 2 * float(max(reaches, default=0.0))
+    return max((part.mesh.diameter for part in parts), default=0.0)
 
 
 def first_scan(

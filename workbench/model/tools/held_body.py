@@ -19,7 +19,6 @@ from workbench.model.geometry import Bools, Box, Floats, Mesh, Shape, Solid, Sph
 from workbench.model.load import Loads, tool_load, uniform_load
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
-from workbench.model.part import Part
 
 GRIP_ROOM = 0.01
 """[m] From the TCP to where a part touches the hand, at most."""
@@ -52,7 +51,7 @@ class HeldAmount(enum.StrEnum):
 
 def largest_part(cell: Cell) -> tuple[float, float]:
     """The length [m] of the longest part and the mass [kg] of the heaviest one; 0 without any."""
-    lengths = (_length(part) for part in cell.parts)
+    lengths = (part.mesh.diameter for part in cell.parts)
     return max(lengths, default=0.0), max((part.mass for part in cell.parts), default=0.0)
 
 
@@ -244,12 +243,6 @@ def tool_problem(tool: Tool) -> Message | None:
     if len(tool.tcps) < 2:
         return None
     return Refusal.DROP_SEVERAL_TCPS(tool=tool.name, tcps=[tcp.name for tcp in tool.tcps])
-
-
-def _length(part: Part) -> float:
-    """[m] No two points of a part are farther apart."""
-    points = np.asarray(part.mesh.points) - part.mesh.middle
-    return 2 * float(np.linalg.norm(points, axis=1).max())
 
 
 def _swept(finger: Finger, widest: float) -> Solid:

@@ -208,6 +208,6 @@ def _region(T_scanner_floor: pin.SE3, low: Floats, high: Floats, top: float) -> 
 
 
 def _labelled(grid: Bools) -> Ints:
-    """The number of its patch for each piece (rows, columns) of a grid, 0 beside all."""
+    """The number of its patch for each piece (rows, columns) of a grid, 0 in none."""
     found: Any = label(grid, np.ones((3, 3)))
     return np.asarray(found[0], np.int64)

@@ -37,7 +37,7 @@ def synthesize(
     """The organised cloud of the parts in their bin, seen by the cell's scanner.
 
     Rays through all pixels hit parts, bin and fixtures; the robot is outside the view.  Points that
-    the projector beside the camera does not light are not measured (stereo shadows).  For the
+    the projector next to the camera does not light are not measured (stereo shadows).  For the
     errors of the others see `scan_noise`.  If a part of the cell has colours, each point has one.
 
     Args:
