@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, FoundGrip, Verdict
 from workbench.model.cell import ARM_NAME
-from workbench.model.digest import LATER, FactsRepr, called, digest_of
+from workbench.model.digest import LATER, FactsRepr, Shared, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copy_pose, frozen, put
 from workbench.model.load import Loads
@@ -84,7 +84,7 @@ class Guarantee(enum.StrEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Leg:
+class Leg(Shared):
     """One motion of one arm through waypoints.
 
     `q` (n, dof) [rad] are the waypoints in chain order, the first at the start.  `t` (n,) [s] are

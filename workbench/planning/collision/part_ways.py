@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats, Shape, frozen
 from workbench.planning.collision.around import Around, first_contact
@@ -48,6 +49,9 @@ MOST_OFF = 12
 COMES_OFF = 0.001
 """[m] Steps in which a part comes off what it lies on, where its turns are checked."""
 
+
+PartLifts = tuple[Sequence[tuple[str, Floats]], Verdict | None]
+"""Names of lifts with ways (3,) [m] on which a part meets nothing; or why there is none."""
 
 Against = tuple[Body, Body, float]
 """A piece of a part, a body that it lies against, and how near [m] they are."""
@@ -104,6 +108,8 @@ def kept_on_ways(cell: Cell) -> float:
 class PartWays:
     """The parts found, each by itself, and what stands around them.
 
+    `known_lifts` are by a detection, where the hand is and how it came; see `lifts`.
+
     Lifetime: as long as the surroundings.
     """
 
@@ -122,6 +128,7 @@ class PartWays:
         self._against: dict[int, list[Against]] = {}
         self._first: dict[tuple[int, bytes], tuple[float, bool]] = {}
         self._off: dict[int, tuple[Floats, ...]] = {}
+        self.known_lifts: dict[tuple[int, bytes, bytes], PartLifts] = {}
 
     def find_blocks(self, number: int, ways: Sequence[Floats]) -> list[tuple[str, float] | None]:
         """For each way (3,) [m] in the world: what a part meets on it and after how much [m].

@@ -25,7 +25,7 @@ from workbench.model.messages.message import Message
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Bin
 from workbench.planning.collision.bodies import part_label
-from workbench.planning.collision.part_ways import PartWays
+from workbench.planning.collision.part_ways import PartLifts, PartWays
 from workbench.planning.collision.world import World
 
 AUTHORED = "as authored"
@@ -81,12 +81,11 @@ def _how_bad(part_ways: PartWays, number: int, way: Floats) -> int:
 
 def _unlike(directions: Floats) -> list[int]:
     """The indices of unit vectors (k, 3) that differ by `SAME_DIRECTION` from those before them."""
-    is_alike = (directions @ directions.T > SAME_DIRECTION).tolist()
-    kept: list[int] = []
+    is_alike = directions @ directions.T > SAME_DIRECTION
+    is_kept = np.zeros(len(directions), bool)
     for k, row in enumerate(is_alike):
-        if not any(row[before] for before in kept):
-            kept.append(k)
-    return kept
+        is_kept[k] = not (row & is_kept).any()
+    return np.flatnonzero(is_kept).tolist()
 
 
 def has_several(world: World, candidate: Candidate) -> bool:
@@ -96,11 +95,24 @@ def has_several(world: World, candidate: Candidate) -> bool:
 
 def find_lifts_clear_for_part(
     world: World, candidate: Candidate, T_world_tcp: pin.SE3
-) -> tuple[list[tuple[str, Floats]], Verdict | None]:
+) -> PartLifts:
     """The lifts (3,) [m] on which the part alone collides with nothing; else what the first meets.
 
     A single lift is returned unchecked, for the closer look that follows.  See `lifts`.
     """
+    if candidate.grasp.retreat is not None:
+        return list(lifts(world, candidate, T_world_tcp)), None
+    # The hands of a part's candidates are often in the same place, and asked about several times.
+    approach = candidate.T_world_tcp.rotation @ candidate.grasp.approach
+    key = (candidate.detection, T_world_tcp.translation.tobytes(), approach.tobytes())
+    known = world.part_ways.known_lifts
+    if key not in known:
+        known[key] = _check_lifts(world, candidate, T_world_tcp)
+    return known[key]
+
+
+def _check_lifts(world: World, candidate: Candidate, T_world_tcp: pin.SE3) -> PartLifts:
+    """What `find_lifts_clear_for_part` returns, where the policy names the lifts."""
     every = list(lifts(world, candidate, T_world_tcp))
     if len(every) < 2:
         return every, None
@@ -112,6 +124,7 @@ def find_lifts_clear_for_part(
     note = VerdictNote.LIFTS_TRIED(way=far, lifts=len(every))
     pair = (part_label(candidate.detection), label)
     return [], Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, pair, note=note)
+
 
 
 def find_lifts_clear_for_part_and_hand(
