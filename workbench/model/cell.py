@@ -157,8 +157,8 @@ class Fixture:
         put(self, T_world_fixture=copy_pose(self.T_world_fixture))
 
 
-Z_FORWARD = "z_forward"
-"""Axes of a cloud that are the scanner's: x right, y down."""
+Z_FORWARD, IN_WORLD = "z_forward", "world"
+"""Axes of a cloud: the scanner's, x right and y down; or the cell's, from the cell's origin."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -163,13 +163,49 @@ def test_a_scanner_over_a_floor_without_a_rim_hangs_over_that_floor(cell, scan, 
     assert up > np.cos(np.deg2rad(2.0))
 
 
-def test_a_cloud_whose_origin_is_on_the_floor_is_refused_with_the_reason(cell, scan, tmp_path):
-    path = tmp_path / "scan.ply"
+def in_bin(cell: Cell, scan: Scan) -> np.ndarray:
+    """The points inside of the walls, in the bin's frame."""
     T_bin_scanner = cell.bin.T_world_bin.actInv(scan.T_world_scanner)
     at = scan.points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
-    inside = (np.abs(at[:, :2]) < 0.45 * cell.bin.size[:2]).all(axis=1)
-    # As a driver that knows of the table writes it: z up, and the origin 20 mm under the floor.
-    write_cloud(path, Scan(at[inside] + [0.0, 0.0, 0.02], scan.T_world_scanner, "z up"))
+    return at[(np.abs(at[:, :2]) < 0.45 * cell.bin.size[:2]).all(axis=1)]
+
+
+def test_points_in_the_frame_of_the_cell_are_known_by_their_floor(cell, scan, tmp_path):
+    path = tmp_path / "scan.ply"
+    # As a driver that knows of the robot writes it: z up, the floor 20 mm under its origin.
+    at = np.array([0.5, 0.2, -0.02])
+    write_cloud(path, Scan(in_bin(cell, scan) + at, scan.T_world_scanner, "z up"), unit="mm")
+    seen = looked(path, replace(cell, scanner=replace(cell.scanner, calibration=None)))
+    assert (seen.mount.unit, seen.mount.cloud_axes) == ("mm", "world")
+    assert any('cloud_axes = "world"' in str(one) for one in seen.says)
+    assert np.abs(seen.bin.T_world_bin.translation - at).max() < 0.02, "in the middle of what lies"
+    assert seen.bin.T_world_bin.translation[2] == pytest.approx(at[2], abs=0.003)
+    above = seen.bin.T_world_bin.actInv(seen.mount.T_world_scanner).translation
+    assert above[2] == pytest.approx((cell.scanner.near + cell.scanner.far) / 2, abs=0.01)
+    written = replace(cell, scanner=seen.mount, bin=seen.surface)
+    assert looked(path, written).says == ()
+    read = read_scan(path, seen.mount)
+    T = read.T_world_scanner
+    back = read.points @ T.rotation.T + T.translation
+    assert np.allclose(back, in_bin(cell, scan) + at, atol=1e-9)
+
+
+def test_a_bin_is_found_in_points_that_are_in_the_frame_of_the_cell(cell, scan, tmp_path):
+    path = tmp_path / "scan.ply"
+    write_cloud(path, scan, axes="world")
+    mount = replace(cell.scanner, cloud_axes="world", calibration=None)
+    T_bin = cell.bin.T_world_bin * pose_from_rpy((0.03, -0.02, 0), (0, 0, 0.05))
+    seen = looked(path, replace(cell, scanner=mount, bin=replace(cell.bin, T_world_bin=T_bin)))
+    assert any("the bin appears" in str(one) for one in seen.says)
+    assert seen.bin.T_world_bin.isApprox(cell.bin.T_world_bin, 3e-3)
+    assert digest_of(seen.mount) == digest_of(mount), "the scanner is where it was"
+    assert looked(path, replace(cell, scanner=seen.mount, bin=seen.bin)).says == ()
+
+
+def test_a_cloud_with_its_origin_at_a_floor_that_leans_is_refused(cell, scan, tmp_path):
+    path = tmp_path / "scan.ply"
+    leaning = in_bin(cell, scan) @ pose_from_rpy((0, 0, 0), (0.12, 0, 0)).rotation.T
+    write_cloud(path, Scan(leaning + [0.0, 0.0, 0.04], scan.T_world_scanner, "leaning"))
     mount = replace(cell.scanner, near=0.01, far=0.3, calibration=None)
     with pytest.raises(InputError, match="in the scanner's frame"):
         looked(path, replace(cell, scanner=mount))

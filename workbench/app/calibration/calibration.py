@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import Calibration, PlateObservation
-from workbench.model.cell import Arm, Bin, Cell
+from workbench.model.cell import IN_WORLD, Arm, Bin, Cell
 from workbench.model.derived.scanner_poses import flange_at_view, with_calibrated_scanner
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
@@ -30,6 +30,7 @@ def compute_calibration(cell: Cell, observations: Sequence[PlateObservation]) ->
     Raises:
         InputError: the observations do not belong together, are too few, too similar or at odds.
     """
+    check_in_own_frame(cell)
     if not observations:
         raise InputError(PlateText.NO_POSE())
     first, carrier = observations[0], cell.scanner.on_arm
@@ -41,6 +42,16 @@ def compute_calibration(cell: Cell, observations: Sequence[PlateObservation]) ->
         if observation.arm != first.arm or not np.array_equal(sides, first.plate.sides):
             raise InputError(PlateText.OTHER_PLATE(pose=observation.name, first=first.name))
     return calibrate(poses_of(cell, observations), first.plate.centres)
+
+
+def check_in_own_frame(cell: Cell) -> None:
+    """The scanner's points are in a frame of its own, so there is something to calibrate.
+
+    Raises:
+        InputError: they are in the frame of the cell.
+    """
+    if cell.scanner.cloud_axes == IN_WORLD:
+        raise InputError(PlateText.IN_WORLD())
 
 
 def check_stands(cell: Cell) -> None:

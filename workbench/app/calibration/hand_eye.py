@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import pinocchio as pin
 
-from workbench.app.calibration.calibration import plate_mover
+from workbench.app.calibration.calibration import check_in_own_frame, plate_mover
 from workbench.formats.poses.hand_eye import PosePair
 from workbench.model.calibration import BallPlate, Calibration
 from workbench.model.cell import Cell
@@ -28,6 +28,7 @@ def calibrated_by_pairs(pairs: Sequence[PosePair], cell: Cell, *, in_hand: bool)
     Raises:
         InputError: they are too few, too much alike, or do not agree.
     """
+    check_in_own_frame(cell)
     try:
         return _solve(pairs, cell, in_hand=in_hand)
     except InputError as error:

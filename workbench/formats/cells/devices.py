@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.formats.cells.calibrations import read_record
-from workbench.formats.clouds.scans import CLOUD_AXES
+from workbench.formats.clouds.scans import KNOWN_AXES
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.files.units import UNITS
 from workbench.formats.meshes.solids import read_pose
 from workbench.formats.robots.arm_scanners import POSE
-from workbench.model.cell import Z_FORWARD, Controller, ScannerMount
+from workbench.model.cell import IN_WORLD, Z_FORWARD, Controller, ScannerMount
 from workbench.model.errors import FileError, InputError
 from workbench.model.robot import ArmScanner
 from workbench.model.scan import LocalizerChoice
@@ -37,7 +37,7 @@ def read_scanner(table: Table, on_arm: ArmScanner | None = None) -> ScannerMount
         patience=table.number("patience_s", 60, low=0.1, high=3600),
         calibration=read_record(table.table("calibration")) if table.has("calibration") else None,
         calibration_days=table.number("calibration_days", 90, low=0.1, high=3650),
-        cloud_axes=table.text("cloud_axes", Z_FORWARD, among=tuple(CLOUD_AXES)),
+        cloud_axes=table.text("cloud_axes", Z_FORWARD, among=KNOWN_AXES),
         while_moving=table.flag("while_moving", False),
         on_arm=on_arm,
     )
@@ -56,6 +56,8 @@ def read_scanner(table: Table, on_arm: ArmScanner | None = None) -> ScannerMount
         raise table.error("address", "holds a login; `login` and so on in [scanner.options] say it")
     if mount.source == "merged" and mount.calibration is not None:
         raise table.error("calibration", "a merged scanner has none: each of its views has its own")
+    if mount.cloud_axes == IN_WORLD and mount.calibration is not None:
+        raise table.error("calibration", "points in the cell's frame need none (cloud_axes)")
     if mount.source == "merged" and mount.while_moving:
         raise table.error("while_moving", "a merged scanner sees from several places: it waits")
     if not mount.near < mount.far:

@@ -24,7 +24,7 @@ from workbench.formats.files.text_rows import read_rows
 from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import MB, read_whole, write_whole
-from workbench.model.cell import Z_FORWARD, ScannerMount
+from workbench.model.cell import IN_WORLD, Z_FORWARD, ScannerMount
 from workbench.model.errors import FileError
 from workbench.model.geometry import Bools, Floats
 from workbench.model.messages.files import FileProblem
@@ -64,6 +64,9 @@ CLOUD_AXES: Mapping[str, tuple[tuple[int, int, int], ...]] = MappingProxyType(
 `z_back` has x right and y up, as OpenGL and the viewers of Open3D and RealSense; `x_forward` has y
 left and z up, as a link in ROS (REP 103).
 """
+
+KNOWN_AXES = (*CLOUD_AXES, IN_WORLD)
+"""What `cloud_axes` may be; with `IN_WORLD` the points are in the frame of the cell."""
 
 _RESOLUTION = re.compile(r"resolution +([0-9]{1,6}) +([0-9]{1,6})")
 
@@ -111,14 +114,17 @@ def parse_scan(path: Path, content: bytes, mount: ScannerMount, *, key: str = KE
             ),
         )
     if before(scan) < STRAY_SHARE:
-        raise FileError(path, FileProblem.BEHIND(axes=mount.cloud_axes, known=CLOUD_AXES))
+        raise FileError(path, FileProblem.BEHIND(axes=mount.cloud_axes, known=KNOWN_AXES))
     return scan
 
 
 def turned_to_camera(scan: Scan, axes: str) -> Scan:
-    """A scan whose points have the axes of that name, in the scanner's frame; see `CLOUD_AXES`."""
+    """A scan whose points have the axes of that name (`KNOWN_AXES`), in the scanner's frame."""
     if axes == Z_FORWARD:
         return scan
+    if axes == IN_WORLD:
+        T = scan.T_world_scanner
+        return replace(scan, points=(scan.points - T.translation) @ T.rotation)
     return replace(scan, points=scan.points @ np.array(CLOUD_AXES[axes], dtype=float).T)
 
 
@@ -251,7 +257,8 @@ def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m", axes: str = Z_
         FileError: the file cannot be written.
     """
     fields = [("x", "<f8"), ("y", "<f8"), ("z", "<f8")]
-    header = ["ply", "format binary_little_endian 1.0", f"comment {unit}, scanner frame"]
+    frame = "world" if axes == IN_WORLD else "scanner"
+    header = ["ply", "format binary_little_endian 1.0", f"comment {unit}, {frame} frame"]
     if scan.resolution is not None and scan.pixels is not None:
         fields.append(("pixel", "<i4"))
         header.append("obj_info resolution {} {}".format(*scan.resolution))
@@ -260,7 +267,11 @@ def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m", axes: str = Z_
         fields += [(name, "u1") for name in CHANNELS]
     header += [f"property {PLY_TYPES[kind]} {name}" for name, kind in fields]
     header.append("end_header\n")
-    points = scan.points @ np.array(CLOUD_AXES[axes], dtype=float)
+    T = scan.T_world_scanner
+    if axes == IN_WORLD:
+        points = scan.points @ T.rotation.T + T.translation
+    else:
+        points = scan.points @ np.array(CLOUD_AXES[axes], dtype=float)
     rows: Any = np.empty(len(points), dtype=fields)
     for column, name in enumerate("xyz"):
         rows[name] = points[:, column] / UNITS[unit]

@@ -15,6 +15,10 @@ class PlateText(Text, subject="plate"):
     ON_LINE = "the three balls lie nearly on one line; a triangle is needed"
     POINTS = "observation {name}: points of shape (n, 3) are needed"
     CENTRES = "observation {name}: three centres of balls are needed"
+    IN_WORLD = (
+        'cloud_axes = "world" in [scanner]: the scanner itself puts its points into the frame of '
+        "the cell, so it is calibrated there"
+    )
     NO_POSE = "no pose was scanned yet; a calibration needs 4, 8 are better"
     MOST_POSES = "{count} poses; up to {most} are taken"
     SAME_POSE = "{pose} is the same as {other}"
@@ -178,7 +182,15 @@ class FirstScanText(Text, subject="first-scan"):
     )
     AT_FLOOR = (
         "{path}: the floor is {height:mm0} from the cloud's origin, so the origin is not the "
-        "scanner: export the points in the scanner's frame"
+        "scanner: export the points in the scanner's frame, or in the frame of the cell, z up"
+    )
+    IN_WORLD = (
+        'the points are in the frame of the cell: cloud_axes = "world" in [scanner]; the scanner '
+        "is assumed {above:mm0} above them"
+    )
+    BIN_MOVED = (
+        "the bin appears {shift:mm0} and {turn:deg1} off: --bin writes where it is; position_mm, "
+        "rpy_deg in [bin]"
     )
     NO_FLOOR = (
         "neither rim nor floor is visible: the floor is assumed {below:mm0} below the parts, which "
