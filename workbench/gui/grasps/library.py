@@ -164,7 +164,7 @@ class LibraryControls:
             self._visitor.notify("Refused", typed)
             return
         self._is_saving = True
-        self._is_saving = self._visitor.ask(lambda: SaveCell(self._remark.value))
+        self._is_saving = self._visitor.save(lambda: SaveCell(self._remark.value))
 
     def _show_draft(self, part: Part, draft: GraspLibrary | None) -> None:
         if draft is None:

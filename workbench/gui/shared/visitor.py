@@ -80,6 +80,7 @@ class Visitor:
         self._primary = ""
         self._style: viser.GuiHtmlHandle | None = None
         self._endings: list[tuple[Callable[[], None], bool]] = []
+        self._forms: list[Callable[[], str]] = []
 
     @cached_property
     def words(self) -> Words:
@@ -218,6 +219,21 @@ class Visitor:
         except CommandRefused as error:
             return error.message
         return None
+
+    def add_form(self, not_applied: Callable[[], str]) -> None:
+        """Have each Save ask what a person does first with the typed fields; empty: nothing."""
+        self._forms.append(not_applied)
+
+    def not_applied(self) -> str:
+        """What this person does first with fields that are typed and not applied; else empty."""
+        return next(filter(None, (stated() for stated in self._forms)), "")
+
+    def save(self, command: Callable[[], Command]) -> bool:
+        """Give a command that saves; refused while something is typed and not applied."""
+        if typed := self.not_applied():
+            self.notify("Refused", typed)
+            return False
+        return self.ask(command)
 
     def admit(self, control: Control, state: State, command: type, *, otherwise: str = "") -> None:
         """Let a control be used while its command is in order; it says why not.
