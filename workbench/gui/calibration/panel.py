@@ -41,6 +41,9 @@ MOST_ROWS = MOST_OBSERVATIONS
 SUGGESTED = 12
 """Poses that are suggested one after the other."""
 
+ADVISED = 8
+"""Poses that an answer should have."""
+
 SUGGEST = "Suggest a pose"
 
 CHOOSE = "choose a pose in the list first"
@@ -128,6 +131,7 @@ class CalibrationPanel:
         if self._after.value != is_after:
             self._after.value = is_after
         self._admit_apply(state, new.calibration)
+        self._visitor.emphasise(self._next_button(new), "Calibration")
         if old is not None and old.own.jog is not None and new.own.jog is None:
             self._way.content = ""
         is_same = (
@@ -156,6 +160,15 @@ class CalibrationPanel:
             self._leave.label = "Leave out" if observations[chosen].is_used else "Use again"
         self._after.disabled = not isinstance(found, Calibration)
         admit(self._save, state, SaveCell, otherwise=not_saved(state))
+
+    def _next_button(self, view: View) -> viser.GuiButtonHandle:
+        """Of the next step: poses until the answer has those that are advised, its use, Save."""
+        found, state = view.calibration, view.state
+        if state.cell.scanner.calibration is not None and not state.is_saved:
+            return self._save
+        if isinstance(found, Calibration) and found.used >= ADVISED:
+            return self._apply
+        return self._suggest if view.own.jog is None else self._take
 
     def _admit_apply(self, state: State, found: Calibration | Message | str) -> None:
         """Enable Apply where there is a calibration and a name; else it states what is missing."""

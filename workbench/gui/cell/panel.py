@@ -138,6 +138,7 @@ class CellPanel:
             admit(self._redo, state, RedoCell, otherwise=not_redone(state))
             is_changed = not state.is_saved
             admit(self._save, state, SaveCell, otherwise=not_saved(state))
+            self._visitor.emphasise(self._save, "Cell")
             if self._is_saving and not is_changed:
                 self._is_saving, self._remark.value = False, ""
             lacks = self._visitor.lacks(state, TakeScan)

@@ -19,7 +19,7 @@ from workbench.model.messages.message import FoundPart, Message, all_of
 from workbench.model.plan import Proven
 from workbench.words.words import IN_ENGLISH, Words
 
-SAYS = "Several picks after one scan, as far as it stays true; one approval for all of them."
+SAYS = "Several picks after one scan, as long as the scan holds; one approval for all of them."
 
 
 class RowInputs:

@@ -229,6 +229,9 @@ class GraspsPanel:
         self._symmetry.show(part, problem=cannot)
         self._pairs.show(part, problem=cannot)
         self._library.show(state, part, problem=cannot)
+        next_step = self._open if state.is_saved and not self._stage.is_open else None
+        visitor = self._visitor
+        visitor.emphasise(next_step if state.is_saved else self._library.save_button, "Grasps")
         if is_open:
             bad = frozenset(n for n, check in self._checks.items() if check and not check.is_ok)
             self._stage.draw(part, name, bad)

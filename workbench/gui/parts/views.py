@@ -129,7 +129,7 @@ def _row(number: int, detection: Detection, is_chosen: bool, button: str, words:
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     dot, name = badge(part_colour(number), str(number + 1)), escape(detection.part)
-    # Narrow lists leave these columns out (static/page.css).
+    # Narrow lists leave these columns out (static/tables.css).
     left_out = {"Lead": values[2], "Residual": values[3]}
     tip = escape(", ".join(f"{words.say(k)}: {words.say(v)}" for k, v in left_out.items() if v))
     return (

@@ -77,7 +77,7 @@ class Visitor:
         self._hints: dict[int, str | None] = {}
         self._told: dict[str, str] = {}
         self._named: dict[str, tuple[str, str, str]] = {}
-        self._primary = ""
+        self._primary: dict[str, str] = {}
         self._style: viser.GuiHtmlHandle | None = None
         self._endings: list[tuple[Callable[[], None], bool]] = []
         self._forms: list[Callable[[], str]] = []
@@ -259,9 +259,9 @@ class Visitor:
             control.hint = wanted
         self._told[element_id(control)] = wanted or ""
 
-    def emphasise(self, button: viser.GuiButtonHandle | None) -> None:
-        """Have the button of the next step filled, and no other one; None: none is."""
-        self._primary = "" if button is None else element_id(button)
+    def emphasise(self, button: viser.GuiButtonHandle | None, tab: str = "Cycle") -> None:
+        """Have the button of a tab's next step filled, and no other one there; None: none is."""
+        self._primary[tab] = "" if button is None else element_id(button)
 
     def name(self, three: viser.GuiVector3Handle, names: tuple[str, str, str]) -> None:
         """Have three numbers in a row say what each is; otherwise they are x, y and z."""
@@ -279,7 +279,7 @@ class Visitor:
         rules = named_css(named) + make_text_css(
             {key: say(text) for key, text in self._told.items()}
         )
-        rules += primary_css(self._primary) if self._primary else ""
+        rules += "".join(primary_css(button) for button in self._primary.values() if button)
         content = f'<style class="wb-style">{rules}</style>'
         if self._style is None:
             self._style = self.gui.add_html(content)
