@@ -58,8 +58,7 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, served, b
     wait(lambda: not bench.state.observations[1].is_used, "the pose to be left out")
     screen.wait_for("left out by a person")
 
-    screen.press("Apply")
-    screen.wait_for("type your name")
+    expect(screen.button("Apply")).to_be_disabled()  # until a name is typed
     field(screen, "Your name").fill("Anna")
     pause(screen.page, 300)
     screen.press("Apply")

@@ -165,7 +165,7 @@ def test_a_tool_from_cad_is_told_before_it_is_taken_and_carried(screen, bench, w
         screen.press("Choose the body")
     chosen.value.set_files(file)
     screen.wait_for("80 x 50 x 71.3 mm, assumed unit mm; z from 0 to 71.3 mm; closed")
-    assert field(screen, "Begins at [mm]").input_value() == "71.3"
+    assert field(screen, "Fingers from z [mm]").input_value() == "71.3"
     assert bench.state.cell.digest == before, "told, and not taken"
     typed(screen, "Stroke [mm]", 40)
     screen.shoot("cell-tool-chosen")

@@ -58,6 +58,7 @@ def test_control_is_asked_for_handed_over_and_taken_back(next_to_come, open_scre
     bench.do(AskForControl(), "Ada", ADA.role)
     bob.wait_for("Ada asks for control")
     bob.shoot("control-asked")
+    bob.page.wait_for_timeout(SETTLING * 1000)  # since Bob has come to be in control
     bob.press("Hand over to Ada")
     bob.wait_for("Ada is in control.")
     assert bench.state.control == "Ada"
@@ -71,6 +72,28 @@ def test_control_is_asked_for_handed_over_and_taken_back(next_to_come, open_scre
     bench.do(TakeControl(), "Ada", ADA.role)
     bob.wait_for("Ada takes control over from Bob")
     assert bob.errors == []
+
+
+def test_take_over_asks_and_names_who_loses_control(next_to_come, open_screen, bench, wait):
+    next_to_come.person = BOB
+    bob = open_screen()
+    bob.wait_for("You are in control.")
+    next_to_come.person = ADA
+    ada = open_screen()
+    ada.wait_for("Bob is in control.")
+    ada.page.wait_for_timeout(SETTLING * 1000)
+    ada.press("Take over")
+    ada.wait_for("Bob is in control. Take control over?")
+    ada.shoot("control-take-over")
+    ada.press("Back")
+    expect(ada.button("Take over from Bob")).to_have_count(0)
+    assert bench.state.control == "Bob"
+    ada.page.wait_for_timeout(SETTLING * 1000)
+    ada.press("Take over")
+    ada.press("Take over from Bob")
+    wait(lambda: bench.state.control == "Ada", "control")
+    expect(ada.button("Take over from Bob")).to_have_count(0)
+    assert bob.errors == ada.errors == []
 
 
 def test_a_viewer_looks_and_a_watcher_sees_what_is_dragged(

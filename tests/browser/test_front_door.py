@@ -111,7 +111,7 @@ def test_in_with_the_password_alone_and_out_again(users, start, window, shots):
     front = start[0]()
     window.log_in(front.url, "Otto", "not the password")
     alert = window.page.get_by_role("alert")
-    expect(alert).to_have_text("Name or password are wrong.")
+    expect(alert).to_have_text("Name or password is wrong.")
     window.page.screenshot(path=shots / "login.png")
     window.errors.clear()  # the browser notes the status 401 by itself
     window.log_in(front.url, "Otto", PASSWORD)

@@ -1,6 +1,7 @@
 """The YuMi cell with two parts found and planned for, and states of every phase."""
 
 import time
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
@@ -183,6 +184,7 @@ def visitor(bench, monkeypatch):
         client_id=1,
         gui=server.gui,
         scene=server.scene,
+        atomic=nullcontext,
         camera=SimpleNamespace(update_timestamp=0.0),  # the browser has said nothing of it yet
         told=told,
         add_notification=lambda title, text, **_: told.append(text),

@@ -47,6 +47,7 @@ def test_it_holds_code_and_data_and_nothing_else(wheel):
         "workbench/shipped/robots/yumi/yumi.urdf",
         "workbench/shipped/parts/keyed_cylinder/grasps.toml",
         "workbench/shipped/static/page.css",
+        "workbench/shipped/static/tables.css",
         "workbench/words/catalogs/de.po",
     ):
         assert expected in names

@@ -119,6 +119,11 @@ class Detection(FactsRepr):
     placing: PlacingError | None = field(default_factory=lambda: None, metadata=LATER)
     T_world_seen: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
 
+    @property
+    def is_by_hand(self) -> bool:
+        """Whether a person placed it: neither a search nor a file states how well it fits."""
+        return self.residual is None and self.gap is None and (self.score, self.visible) == (1, 1)
+
     def __post_init__(self) -> None:
         if self.covariance is not None and np.shape(self.covariance) != (6, 6):
             raise InputError(ScanText.COVARIANCE())

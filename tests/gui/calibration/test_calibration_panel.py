@@ -4,6 +4,7 @@ import threading
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from waiting import PATIENCE
 
@@ -11,9 +12,10 @@ import workbench.app.calibration.ball_plate
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
-from workbench.gui.calibration.panel import SUGGEST, CalibrationPanel
+from workbench.gui.calibration.panel import ADVISED, SUGGEST, CalibrationPanel
 from workbench.gui.shared.calibrating import solve
 from workbench.gui.shared.calibration_views import answer_html
+from workbench.gui.shared.own import Own
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.calibration import BallPlate, Calibration, PlateObservation, PoseResidual
 from workbench.model.messages.calibration import PlateText
@@ -113,3 +115,21 @@ def test_the_arm_with_the_scanner_is_named_only_where_there_are_two(visitor, sta
     both = replace(cell, arms=(*cell.arms, replace(cell.arms[0], name="other")))
     two = replace(view, state=replace(state, cell=both))
     assert f"The {cell.arms[0].name} arm carries" in panel._says_where(two)
+
+
+def test_one_button_is_filled_the_next_of_a_calibration(visitor, states, view_of):
+    panel, view = CalibrationPanel(visitor), view_of(states.idle)
+    assert panel._next_button(view) is panel._suggest
+    home = {arm.name: np.asarray(arm.home) for arm in view.state.cell.arms}
+    jogged = replace(view, own=Own(jog=home))
+    assert panel._next_button(jogged) is panel._take
+    residuals = tuple(
+        PoseResidual(f"pose {number}", 1e-4, 1e-3, "good") for number in range(ADVISED)
+    )
+    found = Calibration(pin.SE3.Identity(), pin.SE3.Identity(), residuals, 1e-4, np.eye(6) * 1e-8)
+    assert panel._next_button(replace(jogged, calibration=found)) is panel._apply
+    few = replace(found, residuals=residuals[1:])
+    assert panel._next_button(replace(jogged, calibration=few)) is panel._take
+    panel.show(None, view)
+    visitor.show_button_texts()
+    assert visitor._style.content.count("--wb-fill:var(--wb-primary)") == 1

@@ -101,7 +101,7 @@ def test_poses_have_residuals_lights_and_reasons(cell, observations):
 
 
 def test_heads_of_the_poses_break_so_that_their_units_are_seen():
-    css = (STATIC / "page.css").read_text(encoding="utf-8")
+    css = (STATIC / "tables.css").read_text(encoding="utf-8")
     assert ".wb-poses .wb-table thead th { white-space: normal" in css
 
 

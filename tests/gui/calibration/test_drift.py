@@ -77,3 +77,14 @@ def test_a_look_at_recorded_scans_ends_with_its_browser(visitor, monkeypatch):
     visitor.end(is_gone=True)
     wait_until(lambda: ended, "the end of the look")
     assert ended == [True]
+
+
+def test_the_scanner_is_moved_in_nobodys_name(visitor, bench):
+    name = [""]
+    group = DriftGroup(visitor, lambda: name[0])
+    group._found = bench.state.cell.digest, lambda at, by: bench.state.cell
+    group._admit(bench.state)
+    assert group._take.disabled and group._take.hint.startswith("Type your name")
+    name[0] = "Ada"
+    group._admit(bench.state)
+    assert not group._take.disabled

@@ -81,3 +81,15 @@ def test_the_steps_of_commissioning_show_what_is_next(bench, visitor):
     assert [line.split('"')[1] for line in lines].count("wb-next") == 1
     assert "Take a scan" in next(line for line in lines if 'class="wb-next"' in line)
     assert "icon-tabler-rotate-clockwise" in lines[3]
+
+
+def test_typed_numbers_are_used_or_dropped_before_the_cell_is_saved(bench, visitor):
+    panel = CellPanel(visitor)
+    panel.show(None, View(bench.state, Live(), visitor.look.now, (), 0.0))
+    before, (x, y, z) = bench.state, panel._inputs._position.value
+    assert visitor.not_applied() == ""
+    panel._inputs._position.value = (x, y, z + 5.0)
+    panel._save_cell()
+    assert bench.state is before and "press Move it there first" in visitor.client.told[-1]
+    panel._thing.value = "scanner"
+    assert visitor.not_applied() == ""

@@ -157,3 +157,22 @@ def test_a_browser_that_comes_back_begins_with_the_parts_and_the_seed_asked_for(
     again._parts.value = 0
     again._wanted_scan()
     assert visitor.look.now.scan_asked == (8, 5), "only what can be asked for"
+
+
+def test_who_is_not_in_control_changes_none_of_the_inputs(panel, visitor, states, view_of):
+    def inputs():
+        row, ways = panel._row, panel._overrides
+        fields = (panel._kind, panel._parts, panel._seed, panel._strategy, row._wanted)
+        return (*fields, panel._threshold._slider, ways._planner, ways._order, ways._margin)
+
+    layout(panel, view_of(states.localized))
+    assert not any(field.disabled for field in inputs())
+    layout(panel, view_of(replace(states.localized, control="Bob")))
+    assert all(field.disabled for field in inputs())
+
+
+def test_the_threshold_rests_where_a_cell_moves_one_arm_at_a_time(panel, states, view_of):
+    alone = replace(states.idle.cell, arms=states.idle.cell.arms[:1])
+    assert not alone.moves_both_arms
+    layout(panel, view_of(replace(states.idle, cell=alone)))
+    assert panel._threshold._slider.disabled

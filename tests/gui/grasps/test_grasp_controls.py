@@ -6,11 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from few_grasps import HAND, PART, grasp_now, with_grasps
 
 import workbench.gui.grasps.coverage
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.people import Role
-from workbench.app.runtime.bench import Bench
 from workbench.app.statistics.grasp_use import GraspUse
 from workbench.formats.files.shipped import find
 from workbench.formats.parts.grasp_files import save_grasps
@@ -27,28 +27,11 @@ from workbench.gui.grasps.views import check_line, grasps_html, refused_message,
 from workbench.gui.shared.colours import BUSY, GOOD
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import Grasp, GraspLibrary, GraspPair, grasps_of
+from workbench.model.part import GraspLibrary, GraspPair, grasps_of
 from workbench.model.part_edits import grasp_of
 from workbench.model.robot import Tcp
 from workbench.planning.grasps.firmness import Firmness, in_words
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspFinding
-
-PART = "keyed_cylinder"
-
-
-def with_grasps(bench: Bench, *entries: Grasp) -> None:
-    """The part with these grasps only."""
-    cell = bench.state.cell
-    part = replace(cell.part(PART), library=GraspLibrary(entries))
-    bench.do(ChangeCell(replace(cell, parts=(part,)), "other grasps"), "Ada", Role.ENGINEER)
-
-
-def grasp_now(bench: Bench) -> Grasp:
-    (grasp,) = bench.state.cell.part(PART).library.entries
-    return grasp
-
-
-HAND = Grasp("side", pose_from_rpy((0, 0, 0.02)), 0.04, 0.03)
 
 
 @pytest.mark.parametrize(
@@ -306,25 +289,6 @@ def test_a_remark_goes_once_it_is_saved(bench, visitor):
     library._remark.value = "another one"
     library.show(saved, editing.part, problem="")
     assert library._remark.value == "another one"
-
-
-def test_what_is_typed_for_a_grasp_is_applied_or_reverted_before_it_is_saved(bench, visitor):
-    with_grasps(bench, HAND)
-    panel = GraspsPanel(visitor)
-    panel._draw()
-    save, changes, fields = panel._library._save, panel._library._changes, panel._fields
-    assert not save.disabled
-    fields._name.value = "another name"
-    assert save.disabled and save.hint == "Apply or revert the open grasp first"
-    assert "Apply or revert" in changes.content
-    panel._library._save_library()
-    assert "apply or revert" in visitor.client.told[-1]
-    fields._take()
-    assert grasp_now(bench).name == "another name" and not save.disabled
-    panel._pose._position.value = (0.0, 0.0, 3.0)
-    assert save.disabled and "Move it there" in changes.content
-    panel._chose(0)
-    assert not save.disabled and panel._pose._position.value == (0.0, 0.0, 20.0)
 
 
 def test_the_tab_names_its_part_also_where_the_cell_has_no_other(bench, visitor):

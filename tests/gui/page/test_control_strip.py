@@ -6,6 +6,7 @@ import workbench.gui.page.control
 from workbench.app.core.control import AskForControl, TakeControl
 from workbench.app.core.people import Role
 from workbench.gui.page.control import DOUBLE_CLICK, SETTLING, ControlStrip
+from workbench.gui.shared.viser_server import buttons_of
 
 
 @pytest.fixture
@@ -32,6 +33,15 @@ def click(button):
         called(None)
 
 
+def dialogs_of(visitor):
+    return list(visitor.gui._modal_handle_from_uuid.values())
+
+
+def button_of(visitor, label):
+    """The button with this label."""
+    return next(button for button in buttons_of(visitor.gui) if button.label == label)
+
+
 def test_a_double_click_on_keep_answers_one_person(strip, visitor, bench, view_of, clock):
     click(strip._keep)
     before = bench.state
@@ -56,6 +66,8 @@ def test_a_press_soon_after_control_has_changed_is_ignored(strip, visitor, bench
     assert bench.state.control == "Bob" and bench.state.asking == ("Cem",)
     clock[0] += SETTLING
     click(strip._take)
+    assert bench.state.control == "Bob", "Ada is asked first"
+    click(button_of(visitor, "Take over from Bob"))
     assert bench.state.control == "Ada"
 
 
@@ -74,9 +86,10 @@ def test_a_double_click_on_hand_over_and_take_over_is_not_refused(strip, visitor
     assert bench.state.control == "Bob"
     clock[0] += 1.0
     click(strip._take)
-    number = bench.state.number
     click(strip._take)
-    assert (bench.state.control, bench.state.number) == ("Ada", number)
+    assert bench.state.control == "Bob" and len(dialogs_of(visitor)) == 1
+    click(button_of(visitor, "Take over from Bob"))
+    assert bench.state.control == "Ada" and dialogs_of(visitor) == []
     assert len(visitor.client.told) == told
 
 
@@ -113,3 +126,29 @@ def test_a_request_is_answered_in_the_row_of_the_line(visitor, bench, view_of, c
     bench.do(AskForControl(), "Bob", Role.OPERATOR)
     strip.show(before, view_of(bench.state))
     assert row() == [strip._give, strip._keep], "one row of two columns, as before"
+
+
+@pytest.fixture
+def asked(strip, visitor, bench, view_of, clock):
+    """Ada's strip after she has pressed Take over while Bob is in control."""
+    click(strip._give)
+    clock[0] += 1.0
+    strip.show(None, view_of(bench.state))
+    clock[0] += SETTLING
+    click(strip._take)
+    assert len(dialogs_of(visitor)) == 1 and bench.state.control == "Bob"
+    return strip
+
+
+def test_back_leaves_control_where_it_is(asked, visitor, bench):
+    click(button_of(visitor, "Back"))
+    assert bench.state.control == "Bob" and dialogs_of(visitor) == []
+
+
+def test_the_dialog_closes_when_somebody_else_takes_control(asked, visitor, bench, view_of):
+    take = button_of(visitor, "Take over from Bob")
+    bench.do(TakeControl(), "Eve", Role.ENGINEER)
+    click(take)
+    assert bench.state.control == "Eve", "the dialog named Bob"
+    asked.show(None, view_of(bench.state))
+    assert dialogs_of(visitor) == []

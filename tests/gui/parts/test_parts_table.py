@@ -8,6 +8,7 @@ import pytest
 
 from workbench.gui.parts.fates import part_fates
 from workbench.gui.parts.views import parts_html
+from workbench.gui.shared.views import parts_line
 from workbench.gui.texts.parts import PartsText
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
@@ -92,3 +93,21 @@ def test_a_grasp_got_farthest_among_others_not_farther_than_their_count(language
     left = PartsText.LEFT(verdict=verdict, grasp="side", arm="left", count=12)
     text = words_of(language).render(left)
     assert f" {of}, side" in text and text.count("12") == 1
+
+
+def test_a_part_placed_by_hand_has_no_score(states):
+    by_hand = Detection("bolt", pose_from_rpy((0, 0, 0)))
+    html = parts_html((by_hand,), None, ("a",))
+    assert "1.00" not in html and "100%" not in html and "by hand" in html
+    scanned = states.localized
+    assert "1.00" not in parts_line(replace(scanned, detections=(*scanned.detections, by_hand)))
+    assert "by hand" in parts_line(replace(scanned, detections=(by_hand,)))
+
+
+def test_a_plan_that_stirs_leaves_no_part_for_a_later_plan(states):
+    state = states.planned
+    arm = state.plan.arms[0]
+    stirring = replace(state.plan, arms=(replace(arm, legs=(replace(arm.legs[0], name="stir"),)),))
+    assert stirring.is_stir_plan
+    told = [str(fate) for fate in part_fates(replace(state, plan=stirring)) if fate]
+    assert told and not any("later plan" in text for text in told)

@@ -34,6 +34,8 @@ LOOK = "Look at recorded scans"
 
 NOTHING = "Look at the recorded scans first."
 
+NAME_MISSING = "type your name: it is kept with the calibration"
+
 
 class DriftGroup:
     """A look at the sessions beside this one, what it brought, and its use.
@@ -42,9 +44,9 @@ class DriftGroup:
     for a process of its own.
     """
 
-    def __init__(self, visitor: Visitor, who: Callable[[], str]):
-        """Add the controls; `who` names the person, or raises InputError."""
-        self._visitor, self._who = visitor, who
+    def __init__(self, visitor: Visitor, name: Callable[[], str]):
+        """Add the controls; `name` returns the name of the person, empty while none is typed."""
+        self._visitor, self._name = visitor, name
         self._found: tuple[str, Callable[[float, str], Cell]] | None = None
         self._given_up: threading.Event | None = None
         self._beginning = threading.Lock()
@@ -68,7 +70,10 @@ class DriftGroup:
 
     def _admit(self, state: State) -> None:
         is_of_it = self._found is not None and self._found[0] == state.cell.digest
-        self._visitor.admit(self._take, state, ChangeCell, otherwise="" if is_of_it else NOTHING)
+        missing = NOTHING
+        if is_of_it:
+            missing = "" if self._name() else NAME_MISSING
+        self._visitor.admit(self._take, state, ChangeCell, otherwise=missing)
 
     def _began(self) -> None:
         with self._beginning:
@@ -139,7 +144,8 @@ class DriftGroup:
         cell = self._visitor.bench.state.cell
         if self._found is None or self._found[0] != cell.digest:
             raise InputError(NOTHING)
-        by = self._who()
+        if not (by := self._name()):
+            raise InputError(NAME_MISSING)
         says = EditText.SCANNER_MOVED(by=by)
         return ChangeCell(self._found[1](time.time(), by), says, was=cell.digest)
 

@@ -4,6 +4,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import viser
 
 from workbench.app.calibration.calibration import compute_calibration, with_calibration
@@ -13,7 +14,7 @@ from workbench.app.core.cycle.scanning import SightPlate, UseObservations
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.gui.calibration.checks import ChecksGroups, arm_joints
-from workbench.gui.calibration.drift import DriftGroup
+from workbench.gui.calibration.drift import NAME_MISSING, DriftGroup
 from workbench.gui.help.groups import group
 from workbench.gui.shared.calibrating import solve
 from workbench.gui.shared.calibration_views import (
@@ -24,6 +25,7 @@ from workbench.gui.shared.calibration_views import (
     record_line,
 )
 from workbench.gui.shared.look import View
+from workbench.gui.shared.own import ShownPlate
 from workbench.gui.shared.views import line, not_saved
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.calibration import CalibrationText
@@ -39,9 +41,10 @@ MOST_ROWS = MOST_OBSERVATIONS
 SUGGESTED = 12
 """Poses that are suggested one after the other."""
 
-SUGGEST = "Suggest a pose"
+ADVISED = 8
+"""Poses that an answer should have."""
 
-NAME_MISSING = "type your name: it is kept with the calibration"
+SUGGEST = "Suggest a pose"
 
 CHOOSE = "choose a pose in the list first"
 
@@ -111,7 +114,7 @@ class CalibrationPanel:
             gui.add_html('<div class="wb-buttons wb-two"></div>')
             self._apply = gui.add_button("Apply", icon=viser.Icon.CHECK)
             self._save = gui.add_button("Save to file", icon=viser.Icon.DEVICE_FLOPPY)
-        self._drift = DriftGroup(visitor, self._who)
+        self._drift = DriftGroup(visitor, lambda: self._name_typed)
         self._checks = ChecksGroups(visitor, self._artefact)
         self._rows = visitor.rows(MOST_ROWS, self._look_at)
         self._react()
@@ -128,6 +131,7 @@ class CalibrationPanel:
         if self._after.value != is_after:
             self._after.value = is_after
         self._admit_apply(state, new.calibration)
+        self._visitor.emphasise(self._next_button(new), "Calibration")
         if old is not None and old.own.jog is not None and new.own.jog is None:
             self._way.content = ""
         is_same = (
@@ -156,6 +160,15 @@ class CalibrationPanel:
             self._leave.label = "Leave out" if observations[chosen].is_used else "Use again"
         self._after.disabled = not isinstance(found, Calibration)
         admit(self._save, state, SaveCell, otherwise=not_saved(state))
+
+    def _next_button(self, view: View) -> viser.GuiButtonHandle:
+        """Of the next step: poses until the answer has those that are advised, its use, Save."""
+        found, state = view.calibration, view.state
+        if state.cell.scanner.calibration is not None and not state.is_saved:
+            return self._save
+        if isinstance(found, Calibration) and found.used >= ADVISED:
+            return self._apply
+        return self._suggest if view.own.jog is None else self._take
 
     def _admit_apply(self, state: State, found: Calibration | Message | str) -> None:
         """Enable Apply where there is a calibration and a name; else it states what is missing."""
@@ -195,7 +208,7 @@ class CalibrationPanel:
         visitor.on_press(self._leave, self._left_out)
         visitor.on_press(self._remove, self._remove_pose)
         visitor.on_press(self._apply, self._apply_calibration)
-        visitor.on_press(self._save, lambda: SaveCell("calibrated"))
+        self._save.on_click(lambda _: self._save_cell())
         self._suggest.on_click(lambda _: self._suggest_next())
         visitor.by_hand(self._name, lambda _: own.change())
         visitor.by_hand(self._after, lambda after: own.change(is_calibrated=bool(after)))
@@ -266,8 +279,21 @@ class CalibrationPanel:
         q, way = left.pop(0)
         jog = {other.name: np.asarray(other.home) for other in cell.arms} | {arm.name: q}
         visitor.turn_away()
-        visitor.own.change(jog=jog, observation=None)
+        shown = ShownPlate(arm.name, self._plate(), self._held(arm, answer))
+        visitor.own.change(jog=jog, plate=shown, observation=None)
         self._way.content = self._pose_line(cell) + way
+
+    def _held(self, arm: Arm, found: Calibration | None) -> pin.SE3:
+        """`T_flange_plate` that the suggested poses assume."""
+        # Open3D takes a second to load: the page does not wait for it.
+        from workbench.app.calibration.ball_plate import seen_plate, simulated_plate
+
+        cell, observations = self._visitor.cell, self._visitor.bench.state.observations
+        if found is not None:
+            return found.T_flange_plate
+        if cell.scanner.on_arm is not None and observations:
+            return seen_plate(cell, observations[-1])
+        return simulated_plate(cell, arm, self._plate())
 
     def _pose_line(self, cell: Cell) -> str:
         is_simulated = cell.scanner.source == "simulated"
@@ -318,6 +344,9 @@ class CalibrationPanel:
         if not (by := self._name_typed):
             raise InputError(NAME_MISSING)
         return by
+
+    def _save_cell(self) -> None:
+        self._visitor.save(lambda: SaveCell("calibrated"))
 
     def _apply_calibration(self) -> Command:
         by = self._who()

@@ -51,7 +51,7 @@ class JogControls:
         self._visitor = visitor
         self._gizmo: viser.TransformControlsHandle | None = None
         self._is_dragged = False
-        self._key: tuple[object, ...] = (None,) * 6
+        self._key: tuple[object, ...] = (None,) * 7
         self._drawn: Mapping[str, Floats] | None = None
         # What this browser has made of it: the whole, and whether it was by the axes' sliders.
         self._mine: Mapping[str, Floats] | None = None
@@ -101,9 +101,10 @@ class JogControls:
             self._contacts.content = contacts_html(new.jogged, self._visitor.words)
         jog = new.own.jog
         is_on, name = jog is not None, self._arm.value
+        is_covered = new.overlay is not None
         is_sending = new.state.phase is Phase.SENDING
         is_preparing = new.live.getting_ready is not None
-        key = (jog, name, new.state.cell, new.state.control, is_sending, is_preparing)
+        key = (jog, name, new.state.cell, new.state.control, is_sending, is_preparing, is_covered)
         if all(cell is other for cell, other in zip(key, self._key, strict=True)):
             return
         self._key = key
@@ -132,7 +133,7 @@ class JogControls:
             if self._elbows is None and self._elbow.value != 0.0:
                 self._elbow.value = 0.0
         self._drawn, self._shown = jog, name
-        self._show_gizmo(arm, is_on and not problem)
+        self._show_gizmo(arm, is_on and not problem and not is_covered)
 
     def _show_sliders(self, arm: Arm, q: Floats) -> None:
         values = shown_axes(self._visitor.cell, arm, q)

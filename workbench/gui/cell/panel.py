@@ -115,6 +115,7 @@ class CellPanel:
             self._save = gui.add_button("Save", icon=viser.Icon.DEVICE_FLOPPY)
             self._line = gui.add_html("")
         self._react()
+        visitor.add_form(self._not_moved)
         visitor.on_end(self._end_measuring, in_scene=True)
 
     def show(self, old: View | None, new: View) -> None:
@@ -137,6 +138,7 @@ class CellPanel:
             admit(self._redo, state, RedoCell, otherwise=not_redone(state))
             is_changed = not state.is_saved
             admit(self._save, state, SaveCell, otherwise=not_saved(state))
+            self._visitor.emphasise(self._save, "Cell")
             if self._is_saving and not is_changed:
                 self._is_saving, self._remark.value = False, ""
             lacks = self._visitor.lacks(state, TakeScan)
@@ -199,10 +201,16 @@ class CellPanel:
         frame = frame_of(cell, thing)
         self._inputs.show(pose_of(cell, thing), problem=problem, T_world_frame=frame)
 
+    def _not_moved(self) -> str:
+        """What a person does first with numbers to which no object was moved; empty: nothing."""
+        if not self._inputs.is_typed():
+            return ""
+        return self._visitor.words.render(CellPageText.MOVE_FIRST())
+
     def _save_cell(self) -> None:
         """Save with the remark, which goes once it is in the files."""
         self._is_saving = True
-        self._is_saving = self._visitor.ask(lambda: SaveCell(self._remark.value))
+        self._is_saving = self._visitor.save(lambda: SaveCell(self._remark.value))
 
     def _turn_measuring(self) -> None:
         """The next two clicks into the scene are points to measure between; or none any more."""

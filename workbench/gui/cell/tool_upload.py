@@ -33,12 +33,12 @@ class ToolUpload:
         self._name = gui.add_text("Name", "", hint="Letters, digits, - and _.")
         self._arm = gui.add_dropdown("For the arm", arms, visible=len(arms) > 1)
         self._position = gui.add_vector3(
-            "Drawing at [mm]",
+            "CAD origin [mm]",
             (0.0, 0.0, 0.0),
             step=0.1,
             hint="Of the file's frame in that of the flange, z out of the flange.",
         )
-        self._angles = gui.add_vector3("Drawing turned [deg]", (0.0, 0.0, 0.0), step=0.1)
+        self._angles = gui.add_vector3("CAD rotation [deg]", (0.0, 0.0, 0.0), step=0.1)
         visitor.name(self._angles, ANGLES)
         self._way = gui.add_dropdown("Takes parts by", (TWO_FINGERS, CUP))
         self._size = gui.add_vector3(
@@ -57,10 +57,11 @@ class ToolUpload:
             "Force [N]", 0.0, step=0.1, hint="Of each finger, or of the vacuum; 0: not known."
         )
         self._begins = gui.add_number(
-            "Begins at [mm]",
+            "Fingers from z [mm]",
             0.0,
             step=0.1,
-            hint="Where fingers or cup begin on z of the drawing; first where the body ends.",
+            hint="Where fingers or cup begin along z of the CAD file; "
+            "by default at the body's end.",
         )
         self._is_mended = gui.add_checkbox(
             "Repair mesh", False, hint="Close holes, turn facets, join what lies apart."

@@ -54,6 +54,12 @@ class OverridesInputs:
             "at 1 all joints count alike.",
         )
 
+    def allow(self, *, is_allowed: bool) -> None:
+        """Let the inputs be changed, or not."""
+        fields = (self._planner, self._iterations, self._order, self._margin, self._metric)
+        for field in fields:
+            field.disabled = not is_allowed
+
     @property
     def overrides(self) -> PlanOverrides:
         """What is wanted now."""

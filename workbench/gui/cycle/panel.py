@@ -206,9 +206,11 @@ class CyclePanel:
         self._row.show(new)
         self._show_buttons(new)
         follows = visitor.is_recorded or bool(visitor.lacks(state, TakeScan))
-        for field in (self._parts, self._seed, self._strategy):
+        for field in (self._kind, self._parts, self._seed, self._strategy):
             field.disabled = follows
-        self._threshold.allow(is_allowed=not follows)
+        self._overrides.allow(is_allowed=not follows)
+        is_decisive = state.cell.moves_both_arms
+        self._threshold.allow(is_allowed=is_decisive and not follows)
         self._dialog.show(new)
 
     def _show_seen(self, new: View) -> None:

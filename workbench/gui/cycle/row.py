@@ -6,6 +6,7 @@ import viser
 
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.rows import ShortenRow
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clearance_words, line, sentence, short
@@ -18,7 +19,7 @@ from workbench.model.messages.message import FoundPart, Message, all_of
 from workbench.model.plan import Proven
 from workbench.words.words import IN_ENGLISH, Words
 
-SAYS = "Several picks after one scan, as far as it stays true; one approval for all of them."
+SAYS = "Several picks after one scan, as long as the scan holds; one approval for all of them."
 
 
 class RowInputs:
@@ -82,6 +83,7 @@ class RowInputs:
         state, visitor = new.state, self._visitor
         words = row_words(state, visitor.words)
         self._wanted.visible = can_have_rows(state.cell)
+        self._wanted.disabled = new.is_recorded or bool(visitor.lacks(state, TakeScan))
         self._line.visible = self._wanted.visible or bool(words)
         shown = f"{sentence(words)}." if words else SAYS
         self._line.content = line(shown, kind="result" if words else "hint", span=2)

@@ -97,6 +97,11 @@ class PoseInputs:
             self._T_world_frame = frame
             self._put(T)
 
+    def is_typed(self) -> bool:
+        """Whether numbers were typed to which nothing was moved."""
+        typed = (self._position.value, self._angles.value)
+        return typed != shown_pose(self._T_world_frame.actInv(self._T))
+
     def show_drag(self, old: View | None, new: View) -> None:
         """Show the values of a drag from `old` to `new`."""
         if (

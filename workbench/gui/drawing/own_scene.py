@@ -5,16 +5,28 @@ from collections.abc import Mapping
 import pinocchio as pin
 import viser
 
+from workbench.app.calibration.calibration import plate_pose
 from workbench.gui.scene.contacts import draw_meets
 from workbench.gui.scene.drag_overlay import DrawnCarried, DrawnVerdicts
-from workbench.gui.scene.marks import draw_chosen, draw_measured, draw_visited, remove_chosen
+from workbench.gui.scene.marks import (
+    draw_chosen,
+    draw_measured,
+    draw_plate,
+    draw_visited,
+    remove_chosen,
+)
 from workbench.gui.scene.robot import PLANNED, ROBOT_CHECKED, finger_name, moved_by, place
 from workbench.gui.shared.calibrating import draw_overlay
 from workbench.gui.shared.look import View
+from workbench.gui.shared.own import ShownPlate
 from workbench.gui.shared.playback import joint_values
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Cell
+from workbench.model.derived.scanner_poses import scanner_pose
 from workbench.planning.kinematics.robot import Kinematics
+
+SCANNER = "/scanner"
+"""The node of the scanner, with its frustum and its label."""
 
 
 class OwnScene:
@@ -33,6 +45,8 @@ class OwnScene:
         self._scene = visitor.client.scene
         self._root: viser.FrameHandle | None = None
         self._frames: dict[str, viser.FrameHandle] = {}
+        self._plate: ShownPlate | None = None
+        self._plate_frame: viser.FrameHandle | None = None
         self._labelled: View | None = None
         self._verdicts = DrawnVerdicts(self._scene, visitor.client.camera)
         self._carried = DrawnCarried(self._scene)
@@ -58,6 +72,9 @@ class OwnScene:
                 self._carried.draw(new.own.carried)
             if is_first or old.visited is not new.visited:
                 draw_visited(self._scene, new.visited)
+            if _plate_of(new) is not self._plate:
+                self._plate = _plate_of(new)
+                self._plate_frame = draw_plate(self._scene, self._plate)
             if new.jogged is None and new.overlay is None and new.filmed is None:
                 self._give_back()
             elif (
@@ -88,6 +105,19 @@ class OwnScene:
                 place(self._frames[whole], T)
                 if root == PLANNED and name in links:
                     _say(self._frames[whole], name in shown)
+        self._place_scanner(view)
+
+    def _place_scanner(self, view: View) -> None:
+        """A scanner on an arm goes with it; the plate is where the suggestion assumes it."""
+        cell, now, carrier = view.state.cell, view.moments, view.state.cell.scanner.on_arm
+        if carrier is not None:
+            if SCANNER not in self._frames:
+                self._frames[SCANNER] = self._scene.add_frame(SCANNER, show_axes=False)
+            place(self._frames[SCANNER], scanner_pose(cell, now[carrier.arm].q))
+        if (plate := self._plate) is not None and self._plate_frame is not None:
+            arm, kinematics = cell.arm(plate.arm), Kinematics(cell)
+            T = plate_pose(cell, kinematics, arm, now[arm.name].q, plate.T_flange_plate)
+            place(self._plate_frame, T)
 
     def _give_back(self) -> None:
         for name in self._frames:
@@ -102,9 +132,15 @@ class OwnScene:
         self._give_back()
         self._verdicts.draw(None)
         self._carried.draw(None)
+        draw_plate(self._scene, None)
         remove_chosen(self._scene, self._labelled)
         for name in ("/observation", "/jog_meets", "/measured", "/nearest", "/nearest_points"):
             self._scene.remove_by_name(name)
+
+
+def _plate_of(view: View) -> ShownPlate | None:
+    """The plate that is drawn: that of a suggestion, while the robot is jogged."""
+    return None if view.jogged is None else view.own.plate
 
 
 def _say(node: viser.FrameHandle, is_visible: bool) -> None:

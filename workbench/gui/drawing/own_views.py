@@ -29,8 +29,9 @@ class OwnViews:
             before: its view before, None when it has had none.
             shared: what all see now.
         """
-        jogged = self._jog_contacts(own, before, shared.state)
         over = _overlay(own, before, shared)
+        # A scanned pose lies over the robot that is jogged, which is back afterwards.
+        jogged = None if over is not None else self._jog_contacts(own, before, shared.state)
         filmed = self._film_moment(own, before, shared.state)
         return replace(shared, own=own, jogged=jogged, overlay=over, filmed=filmed)
 
@@ -46,7 +47,8 @@ class OwnViews:
         """What the jogged robot meets, worked out when it has moved."""
         if own.jog is None:
             return None
-        if before is not None and before.own.jog is own.jog and before.state is state:
+        is_same = before is not None and before.own.jog is own.jog and before.state is state
+        if is_same and before is not None and before.jogged is not None:
             return before.jogged
         return self._jogger.check_jog(state, own.jog)
 

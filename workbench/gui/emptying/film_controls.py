@@ -36,7 +36,7 @@ class FilmControls:
         self._is_written = False
         self._pile = 0
         gui = visitor.gui
-        with group(gui, "Film of the chosen pile"):
+        with group(gui, "Film of the chosen pile") as self._group:
             gui.add_html('<div class="wb-buttons wb-three"></div>')
             self._says = gui.add_html("")
             self._time = gui.add_slider(
@@ -68,6 +68,8 @@ class FilmControls:
     def show(self, old: View | None, new: View, pile: int) -> None:
         """Bring what is shown from `old` to `new`, for the pile of that index."""
         self._pile = pile
+        if self._group.visible != (is_there := new.state.emptying is not None):
+            self._group.visible = is_there
         showing = new.own.film
         if old is None or old.state is not new.state or old.live.films is not new.live.films:
             problem = self._problem(new.state, new.live)

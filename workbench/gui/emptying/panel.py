@@ -115,6 +115,7 @@ class EmptyingPanel:
         self._rows = visitor.rows(MOST_PILES, self._choose)
         self._left_rows = visitor.rows(MOST_PARTS, self._choose_part)
         visitor.on_press(self._start, self._make_command)
+        visitor.emphasise(self._start, "Emptying")
         for seconds in (self._scan_seconds, self._approval_seconds):
             visitor.by_hand(seconds, lambda _: visitor.own.change())
 

@@ -20,7 +20,7 @@ Column = Literal["seed", "taken", "left", "failed", "touches", "plans", "motion"
 COLUMNS: Mapping[Column, tuple[str, str]] = {
     "seed": ("Seed", "of the pile: the same seed gives the same pile"),
     "taken": ("Taken", "parts that came out as planned"),
-    "left": ("Stay", "parts that nothing took"),
+    "left": ("Left over", "parts that nothing took"),
     "failed": ("Failed", "picks that missed, or took a part otherwise than planned"),
     "touches": ("Touches", "straight legs on which something met that the plan held apart"),
     "plans": ("Plans", "made, proven and carried out"),

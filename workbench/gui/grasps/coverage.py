@@ -24,6 +24,8 @@ from workbench.planning.grasps.coverage import Coverage, coverage
 
 log = logging.getLogger(__name__)
 
+CHECK = "Check coverage"
+
 
 class CoverageControls:
     """Looks how the part can lie, in a thread of its own, and shows what came of it.
@@ -41,7 +43,7 @@ class CoverageControls:
         self._line = gui.add_html("")
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._look = gui.add_button(
-            "Look",
+            CHECK,
             icon=viser.Icon.SPHERE,
             hint="Every grasp, however the part lies in the bin: tool against bin, reach of the "
             "arms. No paths are planned, and other parts are left out.",
@@ -59,7 +61,7 @@ class CoverageControls:
             self._stage.hide_sphere()
         missing = found[1].missing if found is not None else None
         if found is None:
-            problem = problem or "press Look first"
+            problem = problem or "press Check coverage first"
         elif missing is None or missing.suggestion is None:
             problem = problem or "no grasp was found that would help"
         self._visitor.allow(self._add, problem)
@@ -95,7 +97,7 @@ class CoverageControls:
             # A rim: what cannot be looked at leaves the page as it is.
             log.exception("the coverage of a part could not be found")
             self._visitor.notify("Internal error", f"{type(error).__name__}: {error}")
-        self._is_looking, self._look.label = False, "Look"
+        self._is_looking, self._look.label = False, CHECK
         self._editing.notify()
 
     def _report(self, done: float, note: Message | str) -> None:

@@ -40,6 +40,8 @@ class Editing:
         self._tool = cell.arms[0].tool.name
         entries = cell.parts[0].library.entries
         self._chosen = entries[0].name if entries else ""
+        self.not_applied: Callable[[], str] = lambda: ""
+        """Returns what a person does first with fields typed for the chosen grasp; else empty."""
         self.lost: Entry | None = None
         """What this browser wanted and did not get, since somebody else was quicker."""
         self._observers: list[Callable[[], None]] = []
@@ -85,6 +87,23 @@ class Editing:
         self._tool = self._tool if tool is None else tool
         self.lost = None
         self.notify()
+
+    def turn_to(self, *, part: str | None = None, entry: str) -> bool:
+        """Choose another grasp by hand; refused while something is typed for the chosen one.
+
+        Returns:
+            Whether it was chosen.
+        """
+        if typed := self.not_applied():
+            self.visitor.notify("Refused", typed)
+            return False
+        self.choose(part=part, entry=entry)
+        return True
+
+    def show_added(self, entry: str) -> None:
+        """Choose a grasp that was added, unless something is typed for the chosen one."""
+        if not self.not_applied():
+            self.choose(entry=entry)
 
     def notify(self) -> None:
         """Have everybody who shows something look again."""
@@ -166,10 +185,10 @@ class Editing:
             )
 
     def add(self, entries: Sequence[Entry], says: Message) -> bool:
-        """Add entries at the end, and choose the first of them."""
+        """Add entries at the end, and choose the first of them; see `show_added`."""
         if not self._ask(EditPart(self.part.name, (), tuple(entries), says=says)):
             return False
-        self.choose(entry=entries[0].name)
+        self.show_added(entries[0].name)
         return True
 
     def remove(self, entry: Entry, now: Sequence[Entry], says: Message) -> bool:

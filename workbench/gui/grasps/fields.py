@@ -54,14 +54,20 @@ class GraspFields:
             "Grip [mm]", 0.0, step=0.1, hint="Between the fingers when closed on the part."
         )
         self._approach = gui.add_vector3(
-            "Approach", (0.0, 0.0, 1.0), step=0.01, hint="Direction of travel, in the tool's frame."
+            "Approach along",
+            (0.0, 0.0, 1.0),
+            step=0.01,
+            hint="Direction of travel, in the tool's frame.",
         )
         self._approach_length = gui.add_number("Approach [mm]", 60.0, step=1.0)
         self._way_out = gui.add_dropdown(
             "Retreat", (AS_THE_CELL, ITS_OWN), hint="Up and to the middle of the bin, or its own."
         )
         self._retreat = gui.add_vector3(
-            "Direction", (0.0, 0.0, -1.0), step=0.01, hint="Of the retreat, in the tool's frame."
+            "Retreat along",
+            (0.0, 0.0, -1.0),
+            step=0.01,
+            hint="Direction of travel, in the tool's frame.",
         )
         self._retreat_length = gui.add_number("Retreat [mm]", 100.0, step=1.0)
         self._free = gui.add_number(

@@ -67,5 +67,5 @@ class FillControls:
         # Of the part that was searched for, whichever is in hand by now.
         edit = EditPart(part.name, (), found.entries, says=says_filled, searches=True)
         if self._visitor.ask(lambda: edit) and self._editing.part.name == part.name:
-            self._editing.choose(entry=found.entries[0].name)
+            self._editing.show_added(found.entries[0].name)
         return says

@@ -52,7 +52,7 @@ class SymmetryControls:
         self._line = gui.add_html("")
         gui.add_html('<div class="wb-buttons wb-three"></div>')
         self._look = gui.add_button(
-            "Look", icon=viser.Icon.EYE, color="gray", hint="What symmetry the mesh has."
+            "Detect", icon=viser.Icon.EYE, color="gray", hint="What symmetry the mesh has."
         )
         self._take = gui.add_button(
             "Confirm",
@@ -73,7 +73,7 @@ class SymmetryControls:
         self._line.content = symmetry_line(part.symmetry, proposed, self._visitor.words)
         allow, said = self._visitor.allow, ""
         if proposed is None:
-            said = "press Look first"
+            said = "press Detect first"
         elif digest_of(proposed) == digest_of(part.symmetry):
             said = "that is its symmetry already"
         allow(self._take, problem or said)

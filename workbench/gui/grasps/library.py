@@ -40,8 +40,8 @@ class PairControls:
         self._visitor, self._editing = visitor, editing
         gui = visitor.gui
         self._list = gui.add_html("")
-        self._first = gui.add_dropdown("One arm by", (NONE,))
-        self._second = gui.add_dropdown("The other by", (NONE,))
+        self._first = gui.add_dropdown("First arm by", (NONE,))
+        self._second = gui.add_dropdown("Second arm by", (NONE,))
         self._is_ordered = gui.add_checkbox("In this order", False, hint="The first goes first.")
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._add = gui.add_button("Add pair", icon=viser.Icon.LINK)
@@ -87,7 +87,9 @@ class LibraryControls:
         self._draft = gui.add_html("")
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._take = gui.add_button("Take the draft", icon=viser.Icon.HISTORY, visible=False)
-        self._drop = gui.add_button("Drop it", icon=viser.Icon.TRASH, color="gray", visible=False)
+        self._drop = gui.add_button(
+            "Discard draft", icon=viser.Icon.TRASH, color="gray", visible=False
+        )
         self._changes = gui.add_html("")
         self._remark = gui.add_text("Remark", "", hint="Why the grasps were changed; kept.")
         self._save = gui.add_button(
@@ -97,7 +99,7 @@ class LibraryControls:
             self._list = gui.add_html("")
             self._version = gui.add_dropdown("Version", (NOW,))
             self._words = gui.add_html("")
-            self._back = gui.add_button("Go back to it", icon=viser.Icon.ARROW_BACK_UP)
+            self._back = gui.add_button("Restore version", icon=viser.Icon.ARROW_BACK_UP)
         self._save.on_click(lambda _: self._save_library())
         visitor.on_press(self._drop, lambda: DropDraft(editing.part.name))
         self._take.on_click(lambda _: self._on_take())
@@ -141,6 +143,11 @@ class LibraryControls:
         self._visitor.allow(self._back, problem)
         self._show_changes(state, part)
 
+    @property
+    def save_button(self) -> viser.GuiButtonHandle:
+        """Saves all changes."""
+        return self._save
+
     def follow_typed(self) -> None:
         """Show whether there is something to save after a person has typed something."""
         self._show_changes(self._visitor.bench.state, self._editing.part)
@@ -156,7 +163,7 @@ class LibraryControls:
             last = self._known[-1] if self._known else None
             self._changes.content = _changes_html(last, part, says, self._visitor.words)
         else:
-            self._changes.content = line("As in the files.", kind="hint")
+            self._changes.content = line("Everything is saved.", kind="hint")
 
     def _save_library(self) -> None:
         """Save with the remark, which goes once it is in the files."""
@@ -164,7 +171,7 @@ class LibraryControls:
             self._visitor.notify("Refused", typed)
             return
         self._is_saving = True
-        self._is_saving = self._visitor.ask(lambda: SaveCell(self._remark.value))
+        self._is_saving = self._visitor.save(lambda: SaveCell(self._remark.value))
 
     def _show_draft(self, part: Part, draft: GraspLibrary | None) -> None:
         if draft is None:

@@ -28,6 +28,7 @@ from workbench.gui.scene.stage import GraspStage, nearest_entry, size_of
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import not_redone, not_undone
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats
 from workbench.model.messages.commands import GraspEditText
@@ -143,26 +144,40 @@ class GraspsPanel:
         editing.on_change(self._draw)
         for form in (self._fields, self._pose):
             form.on_typed(self._library.follow_typed)
+        editing.not_applied = self._not_applied
+        visitor.add_form(self._not_applied)
         visitor.on_end(self._end_drawing)
         visitor.on_end(self._leave_stage, in_scene=True)
 
     def _chose(self, number: int) -> None:
         entries = self._editing.part.library.entries
         if number < len(entries):
-            self._pose.revert()
-            self._editing.choose(entry=entries[number].name)
+            chosen = self._editing.entry
+            if chosen is not None and entries[number].name == chosen.name:
+                self._pose.revert()
+                self._editing.choose(entry=chosen.name)
+                return
+            self._editing.turn_to(entry=entries[number].name)
 
     def _not_applied(self) -> str:
         """What a person does first with what is typed for the chosen grasp; empty: nothing."""
+        entry = self._editing.entry
+        if entry is None:
+            return ""
+        words = self._visitor.words
         if self._fields.is_typed():
-            return "apply or revert the open grasp first"
+            return words.render(GraspText.APPLY_FIRST(name=entry.name))
         if self._pose.is_typed():
-            return "press Move it there first, or click on the grasp in the table"
+            return words.render(GraspText.MOVE_FIRST(name=entry.name))
         return ""
 
     def _other_part(self, name: str) -> None:
+        if self._not_applied() and name == self._editing.part.name:
+            return
         entries = self._visitor.cell.part(name).library.entries
-        self._editing.choose(part=name, entry=entries[0].name if entries else "")
+        if not self._editing.turn_to(part=name, entry=entries[0].name if entries else ""):
+            self._part.value = self._editing.part.name
+            return
         with self._drawing:
             if self._stage.is_open:
                 self._stage.close()
@@ -214,6 +229,9 @@ class GraspsPanel:
         self._symmetry.show(part, problem=cannot)
         self._pairs.show(part, problem=cannot)
         self._library.show(state, part, problem=cannot)
+        next_step = self._open if state.is_saved and not self._stage.is_open else None
+        visitor = self._visitor
+        visitor.emphasise(next_step if state.is_saved else self._library.save_button, "Grasps")
         if is_open:
             bad = frozenset(n for n, check in self._checks.items() if check and not check.is_ok)
             self._stage.draw(part, name, bad)
@@ -313,7 +331,7 @@ class GraspsPanel:
         if not self._is_adding:
             name = nearest_entry(part, origin, direction, size_of(part))
             if name:
-                self._editing.choose(entry=name)
+                self._editing.turn_to(entry=name)
             return
         met = seen_at(part.mesh, origin, origin + direction)
         if met is not None:

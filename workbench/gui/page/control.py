@@ -1,5 +1,6 @@
 """The strip that says who is in control, and passes control on."""
 
+import threading
 import time
 from collections.abc import Callable
 
@@ -14,7 +15,7 @@ from workbench.app.core.control import (
     TakeControl,
 )
 from workbench.app.core.people import Role
-from workbench.app.core.state import State
+from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
@@ -30,6 +31,63 @@ DOUBLE_CLICK = 0.7
 
 SETTLING = 1.5
 """[s] After a change of control presses are ignored: another button may lie under the pointer."""
+
+
+class TakeOverDialog:
+    """Asks before control is taken over from a person, who cannot act from then on.
+
+    Concurrency: `open` from viser's threads, `show` from the renderer's.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Nothing is shown until `open`."""
+        self._visitor, self._holder = visitor, ""
+        self._lock = threading.Lock()
+        self._close: Callable[[], None] | None = None
+
+    def open(self) -> None:
+        """Ask about the person who is in control now; where nobody is, take control at once."""
+        visitor, state = self._visitor, self._visitor.bench.state
+        holder = state.control
+        if not holder:
+            visitor.ask(TakeControl)
+            return
+        words, gui = visitor.words, visitor.gui
+        with self._lock:
+            if self._close is not None:
+                return
+            self._holder = holder
+            with visitor.client.atomic():
+                title = words.render(PageText.TAKE_OVER_TITLE(person=holder))
+                modal = gui.add_modal(title)
+                self._close = modal.close
+                with modal:
+                    gui.add_html(line(words.render(PageText.TAKE_OVER_LOSS(person=holder))))
+                    if state.phase is Phase.SENDING:
+                        gui.add_html(line(words.render(PageText.TAKE_OVER_MOVES()), kind="warn"))
+                    gui.add_html('<div class="wb-buttons wb-two"></div>')
+                    back = gui.add_button("Back", color="gray")
+                    label = words.render(PageText.TAKE_OVER(person=holder))
+                    take = gui.add_button(label, icon=viser.Icon.HAND_GRAB)
+        back.on_click(lambda _: self.close())
+        take.on_click(lambda _: self._take_over())
+
+    def show(self, state: State) -> None:
+        """Close when somebody else is in control than the dialog names."""
+        if state.control != self._holder:
+            self.close()
+
+    def close(self) -> None:
+        """Take the dialog away."""
+        with self._lock:
+            take_away, self._close = self._close, None
+        if take_away is not None:
+            take_away()
+
+    def _take_over(self) -> None:
+        if self._visitor.bench.state.control == self._holder:
+            self._visitor.ask(TakeControl)
+        self.close()
 
 
 class ControlStrip:
@@ -52,16 +110,17 @@ class ControlStrip:
         self._take = gui.add_button("Take control", icon=viser.Icon.HAND_GRAB, visible=False)
         self._give = gui.add_button("Hand over", icon=viser.Icon.CHECK, visible=False)
         self._keep = gui.add_button("Keep", icon=viser.Icon.X, color="gray", visible=False)
-        self._on_single_press(self._take, TakeControl)
-        self._on_single_press(self._ask, AskForControl)
-        self._on_single_press(self._back, ReleaseControl)
-        self._on_single_press(self._give, self._handed_over)
-        self._on_single_press(self._keep, self._keep_control)
+        self._dialog = TakeOverDialog(visitor)
+        self._on_single_press(self._take, self._dialog.open)
+        self._on_single_press(self._ask, lambda: visitor.ask(AskForControl))
+        self._on_single_press(self._back, lambda: visitor.ask(ReleaseControl))
+        self._on_single_press(self._give, lambda: visitor.ask(self._handed_over))
+        self._on_single_press(self._keep, lambda: visitor.ask(self._keep_control))
 
     def _on_single_press(
-        self, button: viser.GuiButtonHandle, command: Callable[[], Command]
+        self, button: viser.GuiButtonHandle, pressed: Callable[[], object]
     ) -> None:
-        """Have a button give a command once, however often it is clicked in a row.
+        """Have a button do something once, however often it is clicked in a row.
 
         After the first click the same button may be about another person, and soon after a change
         of control another button lies in its place.
@@ -74,11 +133,12 @@ class ControlStrip:
             before, pressed_at = pressed_at, time.monotonic()
             is_settled = pressed_at - self._changed_at >= SETTLING
             if is_settled and pressed_at - before >= DOUBLE_CLICK:
-                self._visitor.ask(command)
+                pressed()
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         state = new.state
+        self._dialog.show(state)
         if self._visitor.is_recorded or (old is not None and _about(old.state) == _about(state)):
             return
         if old is not None and old.state.control != state.control:

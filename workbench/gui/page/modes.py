@@ -16,6 +16,7 @@ from workbench.gui.shared.colours import (
     COMPARED,
     NOT_REPORTED,
     PLANNED_ROBOT,
+    PLATE,
     verdict_colour,
 )
 from workbench.gui.shared.look import AFTER_CYCLE, View
@@ -118,6 +119,9 @@ def mode_html(view: View, ends_comparing: str = "", words: Words = IN_ENGLISH) -
         if view.pose is not None and view.pose.meets:
             lines.append(("Red: the bodies that come too close there", f"background:{BAD}"))
     lines += _of_searches(view)
+    if mode is Mode.JOG and view.own.plate is not None:
+        style = f"background:rgb({_rgb(PLATE)})"
+        lines.append(("Blue balls: the plate as the suggestion assumes it", style))
     is_preview = mode in (Mode.PREVIEW, Mode.END)
     is_after = is_preview and view.state.phase in AFTER_CYCLE
     ends: Message | str = ENDS_AFTER_CYCLE if is_after else ENDS.get(mode, "")

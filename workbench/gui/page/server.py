@@ -17,7 +17,7 @@ from workbench.model.prediction import Predictions
 PANEL_WIDTH = 500
 """Of the controls beside the scene, in pixels."""
 
-STYLES = ("page.css", "panel.css")
+STYLES = ("page.css", "tables.css", "panel.css")
 
 MOST_POINTS = 60_000
 """Of a scan on screen."""

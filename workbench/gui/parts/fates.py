@@ -17,8 +17,9 @@ def part_fates(state: State) -> tuple[Message | None, ...]:
         return (None,) * count
     # Of a plan that only stirs, the verdict is no reason to leave a part.
     why = state.verdict if state.plan is None else None
+    is_stirred = any(plan.is_stir_plan for plan in state.plans)
     return tuple(
-        _taken(fate.taken_by) if fate.taken_by else _left(fate, why)
+        _taken(fate.taken_by) if fate.taken_by else _left(fate, why, is_stirred=is_stirred)
         for fate in fates_of(state.plans, state.candidates, count)
     )
 
@@ -30,15 +31,17 @@ def _taken(arms: Sequence[str]) -> Message:
     return PartsText.TAKEN(arm=arms[0])
 
 
-def _left(fate: PartFate, why: Verdict | None) -> Message:
+def _left(fate: PartFate, why: Verdict | None, *, is_stirred: bool) -> Message:
     """Why a part is left: the verdict of the candidate that got farthest.
 
-    `why`: the verdict of the planning that found no plan, None with a plan.
+    `why`: the verdict of the planning that found no plan, None with a plan; `is_stirred`: whether
+    the plan stirs the parts, which no earlier candidate fits afterwards.
     """
     if fate.feasible:
         if why is not None:
             return PartsText.LEFT_WITHOUT_PLAN(verdict=why.message, count=fate.feasible)
-        return PartsText.LEFT_FOR_LATER(count=fate.feasible)
+        text = PartsText.LEFT_STIRRED if is_stirred else PartsText.LEFT_FOR_LATER
+        return text(count=fate.feasible)
     best = fate.refused
     if best is None:
         return PartsText.LEFT_UNTRIED()

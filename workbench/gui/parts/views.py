@@ -121,15 +121,15 @@ def _residual(detection: Detection) -> str:
 
 def _row(number: int, detection: Detection, is_chosen: bool, button: str, words: Words) -> str:
     values = (
-        f"{detection.score:.2f}",
-        f"{detection.visible:.0%}",
+        "" if detection.is_by_hand else f"{detection.score:.2f}",
+        "" if detection.is_by_hand else f"{detection.visible:.0%}",
         "" if detection.gap is None else f"{detection.gap:.2f}",
         _residual(detection),
         "" if detection.probability is None else f"{detection.probability:.0%}",
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     dot, name = badge(part_colour(number), str(number + 1)), escape(detection.part)
-    # Narrow lists leave these columns out (static/page.css).
+    # Narrow lists leave these columns out (static/tables.css).
     left_out = {"Lead": values[2], "Residual": values[3]}
     tip = escape(", ".join(f"{words.say(k)}: {words.say(v)}" for k, v in left_out.items() if v))
     return (
@@ -154,6 +154,8 @@ def _fate_row(fate: Message | None, button: str, words: Words, *, is_chosen: boo
 
 def _roll(detection: Detection) -> str:
     """Whether the turn is known, and by what where it was left to colours."""
+    if detection.is_by_hand:
+        return "by hand"
     if detection.by_colour is None:
         return "known" if detection.roll_known else "unknown"
     if detection.by_colour:

@@ -8,9 +8,9 @@ import viser
 
 from workbench.gui.scene.contacts import add_body, draw_meets
 from workbench.gui.scene.robot import quaternion
-from workbench.gui.shared.colours import BAD, BRAND, BUSY, GOOD, part_colour, rgb_of
+from workbench.gui.shared.colours import BAD, BRAND, BUSY, GOOD, PLATE, part_colour, rgb_of
 from workbench.gui.shared.look import View
-from workbench.gui.shared.own import Visited
+from workbench.gui.shared.own import ShownPlate, Visited
 from workbench.gui.shared.solids import Colour
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
@@ -180,6 +180,21 @@ def draw_measured(scene: viser.SceneApi, points: tuple[Floats, ...]) -> None:
         font_screen_scale=0.8,
         position=tuple(((first + second) / 2).tolist()),
     )
+
+
+def draw_plate(scene: viser.SceneApi, shown: ShownPlate | None) -> viser.FrameHandle | None:
+    """The three balls of a plate in its frame, which is to be placed; None: nothing is drawn."""
+    scene.remove_by_name("/plate")
+    if shown is None:
+        return None
+    frame = scene.add_frame("/plate", show_axes=False)
+    centres = shown.plate.centres
+    for number, p in enumerate(centres):
+        position, radius = tuple(p.tolist()), shown.plate.radius
+        scene.add_icosphere(f"/plate/{number}", radius, PLATE, opacity=0.7, position=position)
+    sides = np.stack([centres, np.roll(centres, -1, axis=0)], axis=1)
+    add_lines(scene, "/plate/sides", sides, PLATE, 2.0)
+    return frame
 
 
 def draw_visited(scene: viser.SceneApi, visited: Visited | None) -> None:

@@ -7,7 +7,7 @@ import viser
 
 from workbench.app.calibration.calibration import compute_calibration
 from workbench.app.core.state import State
-from workbench.gui.shared.colours import BAD, BESIDE_BIN, BUSY, GOOD, rgb_of
+from workbench.gui.shared.colours import BAD, BESIDE_BIN, BUSY, GOOD, PLATE, rgb_of
 from workbench.model.calibration import Calibration, PlateObservation
 from workbench.model.derived.scanner_poses import scanner_pose, with_scanner_at
 from workbench.model.errors import InputError
@@ -98,7 +98,7 @@ def draw_overlay(scene: viser.SceneApi, shown: Overlay | None) -> None:
         scene.add_icosphere(
             f"/observation/ball-{number}",
             shown.radius,
-            (90, 110, 200),
+            PLATE,
             opacity=0.6,
             position=position,
         )

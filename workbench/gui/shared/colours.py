@@ -54,6 +54,9 @@ def left_colour(kind: str) -> str:
     return known.get(kind, MUTED)
 
 
+PLATE: Colour = (90, 110, 200)
+"""Of the balls of a calibration plate."""
+
 JOINTS = ("#1c7ed6", "#e8590c", "#2f9e44", "#ae3ec9", "#0ca678", "#f08c00", "#e64980", "#495057")
 """Of curves, by axis: blue, orange and green come first."""
 

@@ -10,6 +10,7 @@ import pinocchio as pin
 from workbench.app.core.state import State
 from workbench.app.emptying.film import Film
 from workbench.app.picking.glance import Glance
+from workbench.model.calibration import BallPlate
 from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
 from workbench.model.scan import Detection
@@ -67,20 +68,33 @@ class Carried:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ShownPlate:
+    """The plate of a suggested pose: how `arm` is assumed to hold it, or where it stands.
+
+    `T_flange_plate` is meant as `Calibration` means it.
+    """
+
+    arm: str
+    plate: BallPlate
+    T_flange_plate: pin.SE3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Own:
     """What somebody does in their own view; nobody else sees anything of it.
 
-    `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `observation` is
-    the pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of
-    the scanner; `film` is what is shown of an emptied pile; `measured` are the points (3,) [m] that
-    were clicked on, up to two; `visited` is the place of the plan that is viewed; `dragged` is
-    what is shown of the candidates while something is dragged, `carried` what of the scene follows
-    the hand that drags; `thing` is what of the cell was
-    chosen to be moved, empty where a candidate was chosen since; `part` is the part found that was
-    chosen, `pointed` the one that was clicked on in the scene last.
+    `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `plate` is drawn
+    with them after a suggestion, until jogging ends; `observation` is the pose of a calibration
+    that is laid over the robot, `is_calibrated` says with which pose of the scanner; `film` is what
+    is shown of an emptied pile; `measured` are the points (3,) [m] that were clicked on, up to two;
+    `visited` is the place of the plan that is viewed; `dragged` is what is shown of the candidates
+    while something is dragged, `carried` what of the scene follows the hand that drags; `thing` is
+    what of the cell was chosen to be moved, empty where a candidate was chosen since; `part` is the
+    part found that was chosen, `pointed` the one that was clicked on in the scene last.
     """
 
     jog: Mapping[str, Floats] | None = None
+    plate: ShownPlate | None = None
     observation: int | None = None
     is_calibrated: bool = True
     film: Showing | None = None
@@ -124,6 +138,8 @@ class OwnLook:
         """Replace fields of the look; a robot that is moved by hand, or posed, is in no film."""
         if fields.get("jog") is not None or fields.get("observation") is not None:
             fields = {**fields, "film": None}
+        if "jog" in fields and fields["jog"] is None:
+            fields = {**fields, "plate": None}
         with self._lock:
             self._now = replace(self._now, **fields)
         self._changed()

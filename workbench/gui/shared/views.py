@@ -316,10 +316,10 @@ def parts_line(
         return line("No part found in this scan.", kind="bad", span=2, tip=purpose)
     if state.scan is None:
         return line(words.render(CyclePageText.PLACED(count=count)), span=2, tip=purpose)
-    found = sorted(detection.score for detection in state.detections)
+    found = sorted(part.score for part in state.detections if not part.is_by_hand)
     found = found if count <= MOST_SCORES else [found[0], found[-1]]
     between = " – " if count > MOST_SCORES else ", "
-    scores = between.join(f"{score:.2f}" for score in reversed(found))
+    scores = between.join(f"{score:.2f}" for score in reversed(found)) or words.say("by hand")
     parts = LabelText.PARTS(count=count)
     if check is not None:
         parts = as_message(parts_in_words(state.cell, check, state.detections))

@@ -77,9 +77,10 @@ class Visitor:
         self._hints: dict[int, str | None] = {}
         self._told: dict[str, str] = {}
         self._named: dict[str, tuple[str, str, str]] = {}
-        self._primary = ""
+        self._primary: dict[str, str] = {}
         self._style: viser.GuiHtmlHandle | None = None
         self._endings: list[tuple[Callable[[], None], bool]] = []
+        self._forms: list[Callable[[], str]] = []
 
     @cached_property
     def words(self) -> Words:
@@ -219,6 +220,21 @@ class Visitor:
             return error.message
         return None
 
+    def add_form(self, not_applied: Callable[[], str]) -> None:
+        """Have each Save ask what a person does first with the typed fields; empty: nothing."""
+        self._forms.append(not_applied)
+
+    def not_applied(self) -> str:
+        """What this person does first with fields that are typed and not applied; else empty."""
+        return next(filter(None, (stated() for stated in self._forms)), "")
+
+    def save(self, command: Callable[[], Command]) -> bool:
+        """Give a command that saves; refused while something is typed and not applied."""
+        if typed := self.not_applied():
+            self.notify("Refused", typed)
+            return False
+        return self.ask(command)
+
     def admit(self, control: Control, state: State, command: type, *, otherwise: str = "") -> None:
         """Let a control be used while its command is in order; it says why not.
 
@@ -243,9 +259,9 @@ class Visitor:
             control.hint = wanted
         self._told[element_id(control)] = wanted or ""
 
-    def emphasise(self, button: viser.GuiButtonHandle | None) -> None:
-        """Have the button of the next step filled, and no other one; None: none is."""
-        self._primary = "" if button is None else element_id(button)
+    def emphasise(self, button: viser.GuiButtonHandle | None, tab: str = "Cycle") -> None:
+        """Have the button of a tab's next step filled, and no other one there; None: none is."""
+        self._primary[tab] = "" if button is None else element_id(button)
 
     def name(self, three: viser.GuiVector3Handle, names: tuple[str, str, str]) -> None:
         """Have three numbers in a row say what each is; otherwise they are x, y and z."""
@@ -263,7 +279,7 @@ class Visitor:
         rules = named_css(named) + make_text_css(
             {key: say(text) for key, text in self._told.items()}
         )
-        rules += primary_css(self._primary) if self._primary else ""
+        rules += "".join(primary_css(button) for button in self._primary.values() if button)
         content = f'<style class="wb-style">{rules}</style>'
         if self._style is None:
             self._style = self.gui.add_html(content)

@@ -8,6 +8,7 @@ class CellPageText(Text, subject="page-cell"):
 
     FILE_REFUSED = "The cell file cannot be used: {problem}"
     CHANGED = "Changed and not saved; {count} {count:change|changes} can be undone."
+    MOVE_FIRST = "press Move it there first, or choose another object to drop the numbers"
     AS_IN_FILE = "As in its file; digest {digest}."
     ARM = "{arm} arm, {axes} axes to {flange}"
     CARRIES = "carries {tool}"

@@ -42,6 +42,10 @@ class GraspText(Text, subject="page-grasps"):
     NOTHING_NEW = "Nothing new that {tool} could hold well was found."
     BY_ARM = "By the {arm} arm"
     DRAFT = "An earlier session has left a draft with {count} {count:change|changes} not saved."
+    APPLY_FIRST = 'apply or revert the fields of grasp "{name}" first, in the tab Grasps'
+    MOVE_FIRST = (
+        'press Move it there first, in the tab Grasps, or click on "{name}" to drop the numbers'
+    )
     NUDGE = "Grasp 1 mm along {direction}"
     NUMBERS_EXPECTED = (
         "{name}: numbers are expected, as 0, 72, 144, or a count and a step, as 5 x 72 or "

@@ -18,6 +18,7 @@ class PartsText(Text, subject="page-parts"):
     TAKEN_BY_BOTH = "{arms:and} take it, one after the other"
     LEFT_UNTRIED = "left: no grasp was tried"
     LEFT_FOR_LATER = "left for a later plan: {count} {count:grasp|grasps} {count:works|work}"
+    LEFT_STIRRED = "left: this plan only stirs; before it, {count} {count:grasp|grasps} worked"
     LEFT_WITHOUT_PLAN = (
         "left: no plan ({verdict}); {count} {count:grasp|grasps} {count:works|work} apart from that"
     )

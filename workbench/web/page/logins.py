@@ -31,7 +31,7 @@ AT_ONCE = 2
 MOST_WAITING = 20
 """Passwords that may wait to be tried."""
 
-WRONG = "Name or password are wrong."
+WRONG = "Name or password is wrong."
 NO_USERS = (
     "There are no users yet. Open the link that the workbench printed when it was started. It "
     "works once, for one browser; a new start prints another. For more browsers and people add "
