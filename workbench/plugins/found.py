@@ -13,6 +13,7 @@ from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, e
 from typing import Any, Literal, get_args
 
 from workbench.model.errors import InputError
+from workbench.plugins.extras import not_installed
 
 log = logging.getLogger(__name__)
 
@@ -142,7 +143,7 @@ def _own() -> dict[Group, dict[str, _Found]]:
     try:
         package = distribution(OURS)
     except PackageNotFoundError:
-        raise InputError("the workbench is not installed; `pip install .` does that") from None
+        raise not_installed() from None
     version = package.version
     return {
         group: {
