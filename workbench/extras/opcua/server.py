@@ -178,7 +178,7 @@ class OpcUa:
         if not self._door.is_still_in(person):
             return ua.StatusCode(ua.UInt32(StatusCodes.BadUserAccessDenied))
         try:
-            command = method.make([variant.Value for variant in variants])
+            command = method.make(*(variant.Value for variant in variants))
             # None: the threads of all other commands.
             threads = self._stopping if isinstance(command, Stop) else None
             state = await self._loop.run_in_executor(
