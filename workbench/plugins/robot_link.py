@@ -196,15 +196,7 @@ class SteppedLink(RobotLink, Protocol):
         number, once; another number lets nothing run.  Stop, silence and faults count while it
         waits as they do in motion.
 
-        Args:
-            plan: as there.
-            approval: as there.
-            cell: as there.
-            now: as there.
-            cancelled: as there.
-            show: as there.
-            patience: as there.
-            let: the number of the step that a person has let run last, 0 before the first.
+        `let` returns the number of the step that a person has let run last, 0 before the first.
         """
         ...
 

@@ -191,7 +191,7 @@ class Api:
 
     def _make(self, read: Read) -> bytes | None:
         value = read.answer(self._source)
-        return value if value is None or isinstance(value, bytes) else _text(value)
+        return value if value is None or isinstance(value, bytes) else encode_json(value)
 
 
 async def _body(request: web.Request) -> bytes | web.Response:
@@ -226,12 +226,8 @@ async def _send(request: web.Request, content: bytes, kind: str) -> web.StreamRe
     return response
 
 
-def _text(value: Any) -> bytes:
-    return encode_json(value)
-
-
 def _json(value: Any, **about: Any) -> web.Response:
-    return web.Response(body=_text(value), content_type=JSON, **about)
+    return web.Response(body=encode_json(value), content_type=JSON, **about)
 
 
 async def _describe(request: web.Request) -> web.Response:
