@@ -4,7 +4,7 @@ import sys
 
 import pytest
 from idle import Idle
-from pick_scenes import free_port
+from ports import free_port
 from pymodbus.client import ModbusTcpClient
 
 from workbench.app.runtime.bench import Bench
