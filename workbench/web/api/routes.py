@@ -30,6 +30,7 @@ from workbench.web.api.problems import problem, problem_of
 from workbench.web.api.reference import reference_html
 from workbench.web.api.resources import JSON, READS, AnswerSource, Read
 from workbench.web.http.broken_connections import is_broken_off
+from workbench.web.http.long_answers import send_pieces
 from workbench.web.http.refusals import log_refusal
 
 log = logging.getLogger(__name__)
@@ -219,11 +220,8 @@ async def _send(request: web.Request, content: bytes, kind: str) -> web.StreamRe
     """A long answer, piece by piece: nothing else would be served while all of it is copied."""
     response = web.StreamResponse(headers=NO_STORE)
     response.content_type, response.content_length = kind, len(content)
-    await response.prepare(request)
-    for begin in range(0, len(content), CHUNK):
-        await response.write(content[begin : begin + CHUNK])
-    await response.write_eof()
-    return response
+    pieces = (content[begin : begin + CHUNK] for begin in range(0, len(content), CHUNK))
+    return await send_pieces(request, response, pieces)
 
 
 def _json(value: Any, **about: Any) -> web.Response:
