@@ -79,7 +79,6 @@ class Command(ABC):
     @classmethod
     def obstacle(cls, state: State) -> Message | None:
         """What else is in the way of this kind of command, whatever its values; else None."""
-        del state
         return None
 
     # Most commands have nothing to check but who gives them, and when.

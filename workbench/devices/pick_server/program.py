@@ -86,12 +86,9 @@ def program_of(cell: Cell, plan: Plan, approval: Approval, axes: AxisWords) -> A
     except InputError as error:
         raise InputError(AskText.NOT_PROVEN(problem=error.message)) from error
     ticket = approval.digest[:TICKET]
-    return AskedProgram(arm_plan.arm, arm_plan.detection, ticket, _start(plan), tuple(legs))
-
-
-def _start(plan: Plan) -> Floats:
-    """Where (n,) [rad, m] a plan of one arm begins."""
-    return np.asarray(plan.arms[0].legs[0].q[0])
+    return AskedProgram(
+        arm_plan.arm, arm_plan.detection, ticket, np.asarray(arm_plan.legs[0].q[0]), tuple(legs)
+    )
 
 
 def _leg(

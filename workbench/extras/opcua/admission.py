@@ -90,7 +90,6 @@ class Door(UserManager):
         certificate: Any = None,
     ) -> User | None:
         """The library's user for a login; None: the login is refused."""
-        del iserver, certificate
         caller = CALLER.get(None)
         mode = ua.MessageSecurityMode.None_ if caller is None else caller.mode
         if mode == ua.MessageSecurityMode.None_ and not self._options.takes_plain:

@@ -169,7 +169,6 @@ class OpcUa:
 
     async def _call(self, method: Method, parent: Any, *variants: Any) -> Any:
         """Give the command of a method; whether it was carried out, and what is said to it."""
-        del parent
         if len(variants) < len(method.arguments):
             return ua.StatusCode(ua.UInt32(StatusCodes.BadArgumentsMissing))
         if len(variants) > len(method.arguments):

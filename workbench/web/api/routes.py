@@ -142,7 +142,6 @@ class Api:
 
     async def read(self, read: Read, request: web.Request, person: Person) -> web.StreamResponse:
         """Answer with a value as it is now."""
-        del person
         loop = asyncio.get_running_loop()
         content = await loop.run_in_executor(self._reading, self._make, read)
         if content is None:
@@ -175,7 +174,6 @@ class Api:
 
     async def me(self, request: web.Request, person: Person) -> web.Response:
         """Answer who asks."""
-        del request
         may = [call.path for call in CALLS if person.role.covers(call.kind.right.role)]
         return _json({"name": person.name, "role": str(person.role), "may": may})
 
@@ -229,12 +227,10 @@ def _json(value: Any, **about: Any) -> web.Response:
 
 
 async def _describe(request: web.Request) -> web.Response:
-    del request
     return _json(openapi())
 
 
 async def _reference(request: web.Request) -> web.Response:
-    del request
     return web.Response(
         text=reference_html(openapi()),
         content_type="text/html",
