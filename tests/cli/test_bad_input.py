@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ports import free_port
 from waiting import PATIENCE
 
 from workbench.app.picking.proving import prove
@@ -328,8 +329,7 @@ def test_nobody_cannot_approve(line, say, name):
 
 
 def test_a_controller_that_is_not_there(line, send):
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port = server.getsockname()[1]
+    port = free_port()
     said = send(line.plan, "--host", "127.0.0.1", "--port", port)
     assert said.code == 4
     assert str(port) in said.problem

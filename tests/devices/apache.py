@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from ports import free_port
 from waiting import wait_until
 
 PROGRAM = shutil.which("apache2") or "/usr/sbin/apache2"
@@ -98,7 +99,7 @@ def apache(folder: Path, content: bytes) -> Iterator[Site]:
     hashed = hashlib.md5(f"{USER}:{REALM}:{PASSWORD}".encode()).hexdigest()
     (folder / "digest").write_text(f"{USER}:{REALM}:{hashed}\n")
     certify(folder)
-    port, plain = free_ports()
+    port, plain = free_port(), free_port()
     modules = "\n".join(f"LoadModule {one}_module {MODULES}/mod_{one}.so" for one in LOADED)
     settings = SETTINGS.format(
         folder=folder, port=port, plain=plain, modules=modules, token=TOKEN, realm=REALM
@@ -131,15 +132,6 @@ def certify(folder: Path) -> None:
     signed = ("-CA", "ca.pem", "-CAkey", "ca.key", "-addext", "subjectAltName=IP:127.0.0.1")
     name = ("-subj", "/CN=scanner", "-addext", "basicConstraints=critical,CA:FALSE")
     openssl("req", "-x509", *key, *signed, *name, "-keyout", "page.key", "-out", "page.pem")
-
-
-def free_ports() -> tuple[int, int]:
-    """Two ports that nobody listens on."""
-    with (
-        socket.create_server(("127.0.0.1", 0)) as one,
-        socket.create_server(("127.0.0.1", 0)) as two,
-    ):
-        return one.getsockname()[1], two.getsockname()[1]
 
 
 def answers(port: int) -> bool:

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 from patient import PATIENT
+from ports import free_port
 from waiting import PATIENCE, lasting
 
 import workbench
@@ -17,11 +18,6 @@ from workbench.devices.pick_server.axes import axis_words
 from workbench.devices.pick_server.conversation import VERSION
 from workbench.devices.pick_server.lines import Form
 from workbench.plugins.robot_link import Simulation, controller_by, link_named, send
-
-
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as one:
-        return one.getsockname()[1]
 
 
 def approved(**options):

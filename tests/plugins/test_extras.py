@@ -10,7 +10,7 @@ import pytest
 from waiting import PATIENCE
 
 from workbench.model.errors import InputError
-from workbench.plugins.extras import LIBRARIES, from_extra
+from workbench.plugins.extras import LIBRARIES, from_extra, not_installed
 
 ROOT = Path(__file__).resolve().parents[2]
 PIP = f"{sys.executable} -m pip install"
@@ -125,3 +125,7 @@ def test_a_library_that_no_extra_brings_is_named_alone(monkeypatch):
 def test_whatever_an_extra_needs_lacks_in_these_tests():
     lacks = (LACKING / "sitecustomize.py").read_text(encoding="utf-8")
     assert [library for library in LIBRARIES.values() if f'"{library}"' not in lacks] == []
+
+
+def test_a_checkout_without_metadata_names_the_command_that_installs_it():
+    assert str(not_installed()) == f"the workbench is not installed: {PIP} {ROOT}"

@@ -33,7 +33,8 @@ from workbench.web.robot_jobs import ACTOR, robot_jobs
 
 sys.path.append(str(Path(__file__).parents[1] / "devices"))
 
-from pick_scenes import Program, free_port
+from pick_scenes import Program
+from ports import free_port
 
 JOBS = ("TakeScan", "FindParts", "MakePlan", "SendPlan")
 

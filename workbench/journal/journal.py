@@ -1,8 +1,8 @@
 """The journal of one session: numbered entries in SQLite, chained by hashes, and their files.
 
-Each entry's hash covers its content and the hash before it, so a change anywhere shows
-everywhere after it.  Whoever can write the folder can also compute a whole new chain; to
-exclude that, keep `head` somewhere else.
+Each entry's hash covers its content and the previous hash, so a change invalidates all later
+hashes.  A program that can write the folder can also compute a whole new chain; to exclude that,
+store `head` elsewhere.
 """
 
 import hashlib
@@ -23,7 +23,7 @@ from workbench.journal.writer import Writer
 from workbench.model.errors import JournalError
 
 FIRST_HASH = "0" * 64
-"""What stands before the first entry."""
+"""The previous hash of the first entry."""
 
 DATABASE = "journal.sqlite"
 
@@ -32,7 +32,7 @@ NO_FILES: Mapping[str, Content] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One entry as it was written; `files` are the digests of what belongs to it, sorted."""
+    """One entry as written; `files` are the sorted digests of its files."""
 
     number: int
     kind: str
@@ -45,21 +45,20 @@ class Row:
 class Journal:
     """An append-only journal in a folder: `journal.sqlite` and `files/`.
 
-    Lifetime: open from construction until `close`; a folder may be opened again later, then
-    numbers go on where they ended.  When the process dies at any moment, an entry is there
-    wholly, with its files, or not at all.
+    Lifetime: open from construction until `close`; a folder may be opened again, and the numbers
+    continue.  If the process dies, an entry with its files is complete or absent.
 
-    Concurrency: any thread may call anything.  Appends are one after the other; readers have
-    their own connection and never wait for a writer.  One program writes to a folder: the one that
-    has claimed it; without a claim, a second one is refused at its first append after the other's.
+    Concurrency: any thread may call any method.  Appends wait for each other; readers have their
+    own connection and never wait for a writer.  Only the program that has claimed a folder writes
+    to it; without a claim, a second program is refused at its first append after the other's.
     """
 
     def __init__(self, folder: Path, *, patience: float = 1.0):
-        """Open the journal in `folder`, making it when there is none.
+        """Open the journal in `folder`, or make a new one.
 
         Args:
-            folder: where it lies; made when missing.
-            patience: how long [s] an append may wait for another program's lock.
+            folder: made when missing.
+            patience: longest wait [s] of an append for another program's lock.
 
         Raises:
             JournalError: the folder cannot be used, or a newer workbench wrote it.
@@ -90,18 +89,18 @@ class Journal:
 
     @property
     def count(self) -> int:
-        """How many entries there are, which is the number of the last one."""
+        """The number of entries, which is also the number of the last entry."""
         return self._count
 
     @property
     def head(self) -> str:
-        """The hash of the last entry: it stands for the whole journal up to here."""
+        """The hash of the last entry, which covers the whole journal."""
         return self._head
 
     def keep(self, files: Mapping[str, Content]) -> None:
-        """Write the files of an entry before it is appended, so that appending takes no time.
+        """Write the files of an entry before its append, so that the append is quick.
 
-        If it never is, nothing names them.
+        Without that append no entry names the files.
 
         Args:
             files: SHA-256 -> content.
@@ -114,12 +113,12 @@ class Journal:
                 write_file(self.folder / "files", digest, content)
 
     def append(self, kind: str, body: bytes, files: Mapping[str, Content] = NO_FILES) -> int:
-        """Write one entry; when this returns it is on the disk.
+        """Write one entry; it is on the disk when this returns.
 
         Args:
-            kind: what sort of entry it is.
-            body: its content.
-            files: SHA-256 -> content, for what is too big for a row.
+            kind: kind of the entry.
+            body: content of the entry.
+            files: SHA-256 -> content, for content that is too large for a row.
 
         Returns:
             The entry's number, counted from 1.
@@ -148,25 +147,25 @@ class Journal:
             return row.number
 
     def claim(self, at: float) -> None:
-        """Be the only program that writes to this folder, until `close`; twice does no harm.
+        """Become the only program that writes to this folder, until `close`; may be repeated.
 
         Args:
             at: seconds since the epoch.
 
         Raises:
-            JournalError: another one does, which is named, or the folder cannot be written.
+            JournalError: another program has claimed it, or the folder cannot be written.
         """
         with self._lock:
             if self._writer is None:
                 self._writer = Writer(self.folder, at)
                 try:
-                    # Whoever had it before may have written until then.
+                    # The program before may have written until now.
                     self._count, self._head = _last(self._connection)
                 except sqlite3.Error as error:
                     raise JournalError(f"{self._path}: cannot be read: {error}") from error
 
     def entries(self, after: int = 0) -> Iterator[Row]:
-        """All entries with a higher number than `after`, in order.
+        """The entries with a higher number than `after`, in order.
 
         Raises:
             JournalError: the journal cannot be read.
@@ -174,7 +173,7 @@ class Journal:
         yield from self._rows("WHERE number > ? ORDER BY number", after)
 
     def last(self, kind: str = "") -> Row | None:
-        """The last entry, or the last of one kind; None when there is none.
+        """The last entry, or the last one of a kind; None when there is none.
 
         Raises:
             JournalError: the journal cannot be read.
@@ -187,12 +186,12 @@ class Journal:
         """The content of a file of this journal, checked against its digest.
 
         Raises:
-            JournalError: it is missing or was changed.
+            JournalError: the file is missing or was changed.
         """
         return read_file(self.folder / "files", digest)
 
     def verify(self) -> tuple[str, ...]:
-        """Everything that shows a change from outside, as sentences; empty when all agrees.
+        """Sentences about each sign of a change from outside; empty when there is none.
 
         Raises:
             JournalError: the journal cannot be read at all.
@@ -220,7 +219,7 @@ class Journal:
         return tuple(problems)
 
     def save_copy(self, path: Path) -> None:
-        """Write the database as it is now into a new file, whoever else writes to it.
+        """Write a copy of the database into a new file, also while another program writes to it.
 
         Raises:
             JournalError: it cannot be read or written.
@@ -228,13 +227,13 @@ class Journal:
         try:
             with closing(self._reader()) as source, closing(sqlite3.connect(path)) as target:
                 source.backup(target)
-                # A file alone, without a log beside it.
+                # A single file without a write-ahead log.
                 target.execute("PRAGMA journal_mode = DELETE")
         except sqlite3.Error as error:
             raise JournalError(f"{path}: cannot be written: {error}") from error
 
     def close(self) -> None:
-        """End writing; closing twice does no harm."""
+        """Close the journal; a second call does nothing."""
         with self._lock:
             self._connection.close()
             if self._copy is not None:
@@ -244,7 +243,7 @@ class Journal:
                 self._writer = None
 
     def _path_to_open(self) -> Path:
-        """Where the database is opened: SQLite has to write beside it even to read it."""
+        """The database, or a copy of it: SQLite reads only in a folder that it can write."""
         path = self.folder / DATABASE
         if not path.exists() or os.access(self.folder, os.W_OK):
             return path
@@ -258,9 +257,9 @@ class Journal:
         return sqlite3.connect(f"{self._path.absolute().as_uri()}?mode=ro", uri=True)
 
     def _rows(self, which: str, *values: int | str) -> Iterator[Row]:
-        """The entries that the end of a query, with its values, picks out."""
+        """The entries selected by the end of a query and its values."""
         try:
-            # closing: sqlite3's own `with` ends a transaction but leaves the connection open.
+            # The connection's own `with` ends a transaction and leaves the connection open.
             with closing(self._reader()) as reader:
                 rows = reader.execute(
                     f"SELECT number, kind, body, previous, hash FROM entries {which}", values
@@ -309,7 +308,7 @@ class Journal:
 
 
 def hash_of(previous: str, number: int, kind: str, body: bytes, files: tuple[str, ...]) -> str:
-    """The chained hash of an entry; each field enters with its length, so none can shift."""
+    """The chained hash of an entry; the length of each field is hashed, too, so none can shift."""
     chain = hashlib.sha256()
     texts = (previous, str(number), kind, *files)
     for field in (body, *map(str.encode, texts)):

@@ -47,6 +47,11 @@ def copy_pose(T: pin.SE3) -> pin.SE3:
     return pin.SE3(T)
 
 
+def transform(T_a_b: pin.SE3, p_b: Floats) -> Floats:
+    """Points (..., 3) [m] of frame b in frame a."""
+    return p_b @ T_a_b.rotation.T + T_a_b.translation
+
+
 def shift_and_turn(T: pin.SE3) -> tuple[float, float]:
     """How far a motion shifts [m], and by how much it turns [rad]."""
     return float(np.linalg.norm(T.translation)), float(np.linalg.norm(pin.log3(T.rotation)))
@@ -203,7 +208,7 @@ class Solid:
                 return away + radius + length / 2
             case Mesh(points=points):
                 T = self.T_owner_shape
-                return float(np.linalg.norm(points @ T.rotation.T + T.translation, axis=1).max())
+                return float(np.linalg.norm(transform(T, points), axis=1).max())
 
 
 def finest(solids: Iterable[Solid]) -> tuple[Solid, ...]:

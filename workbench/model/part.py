@@ -18,6 +18,7 @@ from workbench.model.geometry import (
     frozen,
     pose_from_rpy,
     put,
+    transform,
 )
 from workbench.model.messages.cells import CellText
 from workbench.model.symmetry import Symmetry, make_turn
@@ -243,10 +244,9 @@ class Region:
         put(self, T_bin_region=copy_pose(self.T_bin_region), size=frozen(self.size))
 
     def near(self, p_bin: Floats, by: float = 0.0) -> Bools:
-        """Which points (n, 3) [m] in the bin's frame are in it, or beside by so much [m]."""
-        T, half = self.T_bin_region.inverse(), self.size / 2
-        p = p_bin @ T.rotation.T + T.translation - [0.0, 0.0, half[2]]
-        return np.asarray(np.all(np.abs(p) <= half + by, axis=1))
+        """Which points (n, 3) [m] in the bin's frame are in it, or at most `by` [m] outside."""
+        half, p = self.size / 2, transform(self.T_bin_region.inverse(), p_bin)
+        return np.asarray(np.all(np.abs(p - [0.0, 0.0, half[2]]) <= half + by, axis=1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.model.digest import LATER, FactsRepr, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copy_pose, frozen, put
+from workbench.model.geometry import Floats, copy_pose, frozen, put, transform
 from workbench.model.messages.calibration import ObjectionText, ScaleText, ScanText
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.recipes.joint import PlacingError
@@ -84,7 +84,7 @@ class Scan(FactsRepr):
     def points_world(self) -> Floats:
         """The points (n, 3) [m] in the world frame."""
         T = self.T_world_scanner
-        return self.points @ T.rotation.T + T.translation
+        return transform(T, self.points)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

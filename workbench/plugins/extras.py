@@ -3,6 +3,7 @@
 import importlib
 import shlex
 import sys
+from pathlib import Path
 from typing import Any
 
 from workbench.model.errors import InputError
@@ -23,6 +24,13 @@ def install_command(extra: str) -> str:
     """
     what = f"workbench[{extra}]" if extra else "workbench"
     return shlex.join((sys.executable, "-m", "pip", "install", what))
+
+
+def not_installed() -> InputError:
+    """The error of a checkout that runs without its metadata; it names the command that helps."""
+    checkout = Path(__file__).parents[2]
+    command = shlex.join((sys.executable, "-m", "pip", "install", str(checkout)))
+    return InputError(f"the workbench is not installed: {command}")
 
 
 def from_extra(target: str, who: str = "this needs") -> Any:

@@ -1,7 +1,7 @@
-"""What installed packages declare for a seam: entry points, ours among them.
+"""The entry points that installed packages declare, including the workbench itself.
 
-A name is looked up in the workbench's own package first: nobody can take a built-in name.  What
-cannot be loaded is reported by `plugins`, and never stops what does not use it.
+A name of the workbench has precedence, so no other package can replace a built-in plug-in.
+`plugins` reports what cannot be loaded; only the use of a broken plug-in fails.
 """
 
 import logging
@@ -13,16 +13,17 @@ from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, e
 from typing import Any, Literal, get_args
 
 from workbench.model.errors import InputError
+from workbench.plugins.extras import not_installed
 
 log = logging.getLogger(__name__)
 
 OURS = "workbench"
 
 BROKEN = (Exception, SystemExit)
-"""What importing a module of somebody else may raise; Ctrl-C stays what it is."""
+"""What the import of a foreign module may raise, except Ctrl-C."""
 
 SLOW = 10.0
-"""[s] A module that takes longer to import is named in the log, since the command waits for it."""
+"""[s] The log names a module with a longer import, since the command waits for it."""
 
 SLOW_WORDS = "%s: importing %s takes more than %.0f s"
 
@@ -44,12 +45,12 @@ WHAT: dict[Group, str] = {
     "workbench.tools": "tool",
     "workbench.tabs": "tab",
 }
-"""What one of a group is called."""
+"""The kind of plug-in of each group, for people."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plugin:
-    """One declared name: by which distribution, and why it cannot be used, if so."""
+    """A declared name, its distribution, and the problem, if it cannot be used."""
 
     group: Group
     name: str
@@ -60,20 +61,20 @@ class Plugin:
 
 
 USUAL = "default"
-"""Names for us what is meant where a cell file names nothing; not a name that one can give."""
+"""Our entry point with this name is the default for cell files; a cell file cannot name it."""
 
 
 def names(group: Group) -> tuple[str, ...]:
-    """All names that are declared for a seam, ours first, each in the order of the alphabet."""
+    """All names of a group: those of the workbench, then the others, each in alphabetical order."""
     ours = (name for name in sorted(_own()[group]) if name != USUAL)
     return tuple(dict.fromkeys((*ours, *sorted(_foreign()[group]))))
 
 
 def load(group: Group, name: str) -> Any:
-    """What a name stands for.
+    """The object that a name stands for.
 
     Raises:
-        InputError: nobody declares the name, two packages do, or it cannot be loaded.
+        InputError: no package declares the name, several do, or the object cannot be loaded.
     """
     own = _own()[group].get(name)
     found = [own] if own is not None else _foreign()[group].get(name, [])
@@ -91,7 +92,7 @@ def load(group: Group, name: str) -> Any:
 
 
 def plugins() -> Iterator[Plugin]:
-    """Everything that is declared, and what is wrong with it."""
+    """All declared plug-ins, each with its problem, if it has one."""
     for group in GROUPS:
         own, foreign = _own()[group], _foreign()[group]
         for entry, package, version in own.values():
@@ -109,7 +110,7 @@ def plugins() -> Iterator[Plugin]:
 
 
 _Found = tuple[EntryPoint, str, str]
-"""What is declared, by which distribution, in which version."""
+"""An entry point with the name and the version of its distribution."""
 
 
 def _try(group: Group, entry: EntryPoint, package: str, version: str, problem: str) -> Plugin:
@@ -138,11 +139,11 @@ def _load(entry: EntryPoint) -> Any:
 
 @cache
 def _own() -> dict[Group, dict[str, _Found]]:
-    """Ours, without a look at all that is installed: most need no more."""
+    """The entry points of the workbench, without a search of all packages, which takes long."""
     try:
         package = distribution(OURS)
     except PackageNotFoundError:
-        raise InputError("the workbench is not installed; `pip install .` does that") from None
+        raise not_installed() from None
     version = package.version
     return {
         group: {
@@ -168,5 +169,5 @@ def _foreign() -> dict[Group, dict[str, list[_Found]]]:
 
 @cache
 def _name_and_version(package: Any) -> tuple[str, str]:
-    """Of a distribution, which reads its whole description for each of them."""
+    """Name and version of a distribution, which reads its whole metadata for each access."""
     return str(package.name).lower().replace("_", "-"), package.version

@@ -1,7 +1,7 @@
-"""What a controller may report: finite numbers, within what each joint and each quantity can be.
+"""Checks of what a controller reports: finite numbers, within the range of each quantity.
 
-`plugins.robot_link.send` and `states` look at everything that any link hands on.  A link that acts
-on a report before it hands it on asks `JointBounds` first, before anything is computed with it.
+`plugins.robot_link.send` and `states` check the reports of every link.  A link that acts on a
+report itself asks `JointBounds` before it computes with the report.
 """
 
 import math

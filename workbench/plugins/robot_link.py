@@ -26,25 +26,25 @@ ENTRY_POINTS: Group = "workbench.robot_links"
 
 @dataclass(frozen=True, slots=True)
 class LinkPatience:
-    """How long both ends of a link wait; what safety wants, tests bring others.
+    """How long both ends of a link wait.  The defaults are for safety; tests use other values.
 
-    Times are in seconds of `clock`, which never goes back.
+    Times are in seconds of `clock`, a monotonic clock.
     """
 
     silence: float = 2.0
-    """Without a word from the other side, and a link that is spoken all the time counts as dead."""
+    """Longest silence on a link that is used all the time; after it the link counts as dead."""
 
     answer: float = 30.0
-    """Where the robot moves between two requests: longer than this is too long."""
+    """Longest wait for the next request of a robot that moves between two requests."""
 
     stop: float = 2.0
-    """How long a controller may take to acknowledge a stop."""
+    """Longest wait for the acknowledgement of a stop."""
 
     report: float = 1.0
-    """How long a report of the state may lag behind what the controller has done."""
+    """Longest delay of a state report behind the controller."""
 
     doubt: float = 0.3
-    """A controller that reports a fault mostly says so on the link as well, and better."""
+    """Wait for the fault on the link, after a state has reported it: the link is more precise."""
 
     clock: Callable[[], float] = time.monotonic
 
@@ -53,18 +53,22 @@ USUAL = LinkPatience()
 
 
 def none_let() -> int:
-    """Nobody has let a step run."""
+    """No step is allowed."""
     return 0
 
 
 @dataclass(frozen=True, slots=True)
 class Simulation:
-    """What a simulated controller is asked to be.
+    """Options of a simulated controller.
 
-    Ports of 0 are chosen freely.  `speed` 1 is real time.  `record` and `trace` are files for what
-    arrives and for where the arms are; `faults` are misbehaviours in the simulator's own words;
-    `home_after` [s]: so long after a stop the arms go home by themselves.  `rapid` is a folder of
-    modules in RAPID that are to be run as they are; links that know no RAPID refuse it.
+    Attributes:
+        port, state_port: 0 takes a free port.
+        speed: 1 is real time.
+        record: file for the received messages.
+        trace: file for the positions of the arms.
+        faults: faults to simulate, in the simulator's own words.
+        home_after: time [s] after a stop at which the arms go home by themselves.
+        rapid: folder of RAPID modules to run unchanged; links without RAPID refuse it.
     """
 
     host: str = "127.0.0.1"
@@ -83,41 +87,41 @@ class Running(Protocol):
 
     @property
     def port(self) -> int:
-        """Where it takes motion."""
+        """The port for motion."""
         ...
 
     @property
     def state_port(self) -> int:
-        """Where it reports its state."""
+        """The port for states."""
         ...
 
     def stop(self) -> None:
-        """End it; may be called from a signal handler."""
+        """End the simulation; a signal handler may call this."""
         ...
 
 
 class RobotLink(Protocol):
-    """One way to speak with controllers.
+    """A protocol to a kind of controller.
 
-    It is stateless: an object is made for each name, and `send` may be called by one thread while
-    `states` runs in another.  Configurations are in chain order and radians here; what a controller
-    calls its axes is in `Arm.axis_order` and `Arm.axis_signs`, and its arms in `Arm.controller_id`.
+    A link is stateless: one thread may run `send` while another runs `states`.  Configurations are
+    in chain order and radians.  `Arm.axis_order` and `Arm.axis_signs` map them to the controller's
+    axes, and `Arm.controller_id` is the controller's name of the arm.
 
-    `motion` says how the controller moves: planning, timing and proof follow from it, so it must
-    never promise less than the controller may do.  `Options` is the dataclass of the keys that
-    stand in the cell file under `[controller.options]` (`plugins.options`), or `NoOptions`.  Where
-    they change how the controller moves, the link has a method `motion_by(options)` too, which
-    gives that model; `motion` is the model without options.
+    `motion` describes how the controller moves.  Planning, timing and proof rely on it, so it must
+    cover everything that the controller may do.  `Options` is the dataclass of the keys below
+    `[controller.options]` in the cell file (`plugins.options`), or `NoOptions`.  If the options
+    change the motion, the link also has a method `motion_by(options)`, which returns the model with
+    them; `motion` is the model without options.
     """
 
     motion: MotionModel
     Options: type
 
     def check(self, cell: Cell) -> None:
-        """Refuse a cell that cannot be served.
+        """Check that the link can serve a cell.
 
         Raises:
-            InputError: for instance more arms than the controller has.
+            InputError: it cannot, for instance because the cell has too many arms.
         """
         ...
 
@@ -132,50 +136,55 @@ class RobotLink(Protocol):
         show: Callable[[LinkStatus], None],
         patience: LinkPatience,
     ) -> Iterator[Receipt]:
-        """Execute a plan; a receipt for each message, as soon as it went out or came.
+        """Execute a plan; yields a receipt for each message, as soon as it was sent or received.
 
-        `check_approval` is asked once more when motion begins.  Nothing is sent twice: after any
-        error the connection is closed.  Closing the iterator closes the connection, and the robot
-        comes to rest.  It ends when the controller has ended the last motion.
+        The link calls `check_approval` once more before motion begins.  It sends nothing twice:
+        after any error it closes the connection.  Closing the iterator closes the connection, and
+        the robot comes to rest.  The iterator ends after the controller has ended the last motion.
 
         Args:
-            plan: what is sent, in legs that run in the order of `plan.sequence`.
-            approval: that lets it out.
+            plan: its legs run in the order of `plan.sequence`.
+            approval: the release of the plan.
             cell: `cell.controller` has the address and the options.
-            now: seconds since the epoch.
-            cancelled: asked at least every 0.1 s; True stops the robot.
-            show: takes how the link stands, when that changes.
-            patience: how long the controller is waited for.
+            now: returns seconds since the epoch.
+            cancelled: called at least every 0.1 s; True stops the robot.
+            show: receives each change of the link's status.
+            patience: how long the link waits for the controller.
 
         Raises:
-            CommandRefused: the approval is not for this, or has run out; nothing has moved.
-            InputError: the plan cannot be said by this link; nothing was sent.
+            CommandRefused: the approval is for another plan, or has expired; nothing has moved.
+            InputError: the protocol cannot express the plan; nothing was sent.
             LinkError: no connection, silence, a refusal, or the controller closed the link.
-            JobCancelled: `cancelled` said so; the message says how sure it is that it stands.
+            JobCancelled: `cancelled` returned True; the message states whether the robot rests.
         """
         ...
 
     def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
-        """What the controller reports of itself, as it comes, also while nothing is sent.
+        """The states that the controller reports, as they arrive, also while nothing is sent.
 
-        An iterator that ends at once says that this controller reports nothing.
+        The iterator of a controller that reports no states ends at once.
 
         Raises:
-            LinkError: nobody answers, or the report broke off; it is called again later.
+            LinkError: no answer, or the connection broke; the caller tries again later.
         """
         ...
 
     def serve(self, cell: Cell, simulation: Simulation, ready: Callable[[Running], None]) -> None:
-        """Be a simulated controller of this cell until `stop` is called on what `ready` is given.
+        """Run a simulated controller of this cell until somebody calls its `stop`.
+
+        Args:
+            cell: the cell that it moves.
+            simulation: its options.
+            ready: receives the controller once clients can connect.
 
         Raises:
-            InputError: this link has no simulated controller, or does not know a fault's word.
+            InputError: this link has no simulated controller, or does not know one of the faults.
         """
         ...
 
 
 class SteppedLink(RobotLink, Protocol):
-    """A link that can also have a plan run step by step: its motion model `takes_steps`."""
+    """A link that can also run a plan step by step: its motion model `takes_steps`."""
 
     def send(
         self,
@@ -189,28 +198,20 @@ class SteppedLink(RobotLink, Protocol):
         patience: LinkPatience,
         let: Callable[[], int] = none_let,
     ) -> Iterator[Receipt]:
-        """As `RobotLink.send`; of an approval that `is_stepped` each step waits for a word.
+        """As `RobotLink.send`; if the approval `is_stepped`, a person allows each step.
 
-        The controller waits before each step of `plan.sequence`, the first one too, and a receipt
-        says once before which (`Receipt.waits`, from 1 on).  That step runs when `let` gives its
-        number, once; another number lets nothing run.  Stop, silence and faults count while it
-        waits as they do in motion.
+        The controller waits before each step of `plan.sequence`, also before the first.  One
+        receipt names that step (`Receipt.waits`, counted from 1).  The step runs once `let` returns
+        its number; any other number starts nothing.  Stop, silence and faults count during the wait
+        as in motion.
 
-        Args:
-            plan: as there.
-            approval: as there.
-            cell: as there.
-            now: as there.
-            cancelled: as there.
-            show: as there.
-            patience: as there.
-            let: the number of the step that a person has let run last, 0 before the first.
+        `let` returns the last step that a person has allowed, 0 before the first.
         """
         ...
 
 
 def usual_link() -> str:
-    """The link of a cell file that names none."""
+    """The name of the link for cell files that name none."""
     return link_named(USUAL_NAME).motion.link
 
 
@@ -218,7 +219,7 @@ def link_named(name: str) -> RobotLink:
     """The robot link of that name.
 
     Raises:
-        InputError: there is none, or it is not one.
+        InputError: there is none, or it has no motion model.
     """
     link: Any = load(ENTRY_POINTS, name)
     link = link() if isinstance(link, type) else link
@@ -228,10 +229,10 @@ def link_named(name: str) -> RobotLink:
 
 
 def motion_of(link: RobotLink, options: Options) -> MotionModel:
-    """How a controller moves that is spoken to by a link with these options.
+    """The motion model of a link with these options.
 
     Raises:
-        InputError: the options are not right.
+        InputError: the options are wrong.
     """
     motion_by = getattr(link, "motion_by", None)
     return link.motion if motion_by is None else motion_by(options)
@@ -244,10 +245,10 @@ def controller_by(
     state_port: int | None = None,
     options: Options | None = None,
 ) -> Controller:
-    """A controller that is spoken to by the link of that name.
+    """A controller with the link of that name.
 
     Raises:
-        InputError: there is no such link, or its options are not right.
+        InputError: there is no such link, or its options are wrong.
     """
     link, options = link_named(name), options or {}
     options_of(link.Options, options)
@@ -256,16 +257,16 @@ def controller_by(
 
 
 def spoken_to_by(cell: Cell, name: str) -> Cell:
-    """The cell with its controller spoken to by another link, at the same address."""
+    """The cell with another link to its controller, at the same address and without options."""
     motion = link_named(name).motion
     return replace(cell, controller=replace(cell.controller, motion=motion, options={}))
 
 
 def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> None:
-    """Refuse to send what was not approved exactly so.
+    """Check that an approval is for exactly this plan in this cell, and has not expired.
 
     Raises:
-        CommandRefused: says what differs, or that the approval has run out.
+        CommandRefused: the message states the difference, or the expiry.
     """
     pairs = (
         (DeviceText.PLAN, approval.plan_digest, plan.digest),
@@ -303,12 +304,12 @@ def send(
 ) -> Iterator[Receipt]:
     """Send a plan to the controller of the cell, by the link of the cell; see `SteppedLink.send`.
 
-    Whatever the link is, every number that it hands on is checked, and it has to tell that all
-    was done: `plugins.reported`.  Where one cannot be, the link is closed, and the robot stops.
+    Every number from any link is checked, and the receipts must cover the whole plan
+    (`plugins.report_checks`).  After an impossible report the link is closed, and the robot stops.
 
     Raises:
-        CommandRefused: also where the controller cannot run the plan as it was proven.
-        ProtocolError: the controller reports what cannot be, or ends too early.
+        CommandRefused: also if the controller cannot run the plan as it was proven.
+        ProtocolError: the controller reports something impossible, or ends too early.
     """
     check_approval(plan, approval, cell, now())
     if problem := misfit(plan, cell, approval.manner):
@@ -349,10 +350,10 @@ def send(
 
 
 def states(cell: Cell, cancelled: Cancelled = never) -> Iterator[RobotState]:
-    """What the controller of the cell reports, each state checked; see `RobotLink.states`.
+    """The states of the cell's controller, each checked; see `RobotLink.states`.
 
     Raises:
-        ProtocolError: it reports what cannot be.
+        ProtocolError: a state is impossible.
     """
     reports = link_named(cell.controller.link).states(cell, cancelled)
     with _closing(reports):
@@ -363,7 +364,7 @@ def states(cell: Cell, cancelled: Cancelled = never) -> Iterator[RobotState]:
 
 @contextmanager
 def _closing(iterator: Iterator[Any]) -> Generator[None]:
-    """At the end the connection of an iterator is closed, where it has one."""
+    """Close the iterator at the end of the block; this closes its connection."""
     try:
         yield
     finally:

@@ -121,7 +121,7 @@ def test_without_parts_walls_or_times_there_is_none(cell, samples):
     assert "does not send times" in refused(line, PlanStir())
 
 
-def gone_on(line: Line, samples) -> None:
+def continue_cycle(line: Line, samples) -> None:
     """After a cycle the next one finds parts, none of which can be taken."""
     make_plan(samples, line)
     send(line)
@@ -159,7 +159,7 @@ def test_a_cycle_stirs_where_none_can_be_taken_as_often_as_the_cell_says(stirrin
 
 def test_a_planning_out_of_time_is_no_reason_to_stir(stirring, samples):
     line = Line(stirring)
-    gone_on(line, replace(samples, cell=stirring))
+    continue_cycle(line, replace(samples, cell=stirring))
     assert line.ended(no_plan(Reason.OUT_OF_TIME)).job is None
 
 
@@ -206,7 +206,7 @@ def test_what_was_avoided_in_the_bin_is_tried_again(cell, samples):
 
 def test_where_stirring_finds_no_path_a_cycle_goes_no_further_by_itself(stirring, samples):
     line = Line(stirring)
-    gone_on(line, replace(samples, cell=stirring))
+    continue_cycle(line, replace(samples, cell=stirring))
     line.ended(no_plan())
     state = line.ended(no_plan(Reason.OUT_OF_REACH))
     assert state.job is None and state.stirs == 2
@@ -216,7 +216,7 @@ def test_where_stirring_finds_no_path_a_cycle_goes_no_further_by_itself(stirring
 
 def test_a_stirring_whose_task_fails_ends_the_cycle(stirring, samples):
     line = Line(stirring)
-    gone_on(line, replace(samples, cell=stirring))
+    continue_cycle(line, replace(samples, cell=stirring))
     line.ended(no_plan())
     state = line.ended(InputError("the worker has ended"))
     assert state.job is None and state.stirs == 0

@@ -16,6 +16,7 @@ import pytest
 from controller_ports import at
 from full_disk import FullDisk
 from idle import Idle
+from ports import free_port
 from waiting import PATIENCE, wait_until
 
 from workbench.app.core.cell.emptying import TryEmptying
@@ -131,8 +132,7 @@ def test_a_stop_closes_the_link_in_the_middle_of_a_motion(cell, controller, benc
 
 
 def test_a_controller_that_is_not_there_is_a_fault_with_its_address(cell, bench_at):
-    with socket.create_server(("127.0.0.1", 0)) as closed:
-        port = closed.getsockname()[1]
+    port = free_port()
     bench = bench_at(at(cell, port, port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
     state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)

@@ -7,13 +7,13 @@ stands, and the journal holds every message.
 import dataclasses
 import functools
 import re
-import socket
 import threading
 import time
 
 import numpy as np
 import pytest
 from patient import PATIENT, Hurried
+from ports import free_port
 from waiting import PATIENCE, wait_until
 
 from workbench.app.core.cycle.approval import Approve
@@ -257,8 +257,7 @@ def test_both_arms_at_once_are_refused_by_a_protocol_that_cannot_say_it(rig):
 
 def test_joints_that_only_the_link_reports_are_not_shown_once_it_is_closed(rig):
     one = rig(NEW, speed=20)
-    with socket.create_server(("127.0.0.1", 0)) as closed:
-        port = closed.getsockname()[1]
+    port = free_port()
     silent = dataclasses.replace(one.bench.cell.controller, state_port=port)
     told, shown, moved = [], {}, []
 

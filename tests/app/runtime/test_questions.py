@@ -55,7 +55,7 @@ def test_a_job_goes_before_a_question_that_has_waited_longer(jobs, listener):
 
 def test_a_question_without_end_is_ended_and_holds_up_no_job(jobs, listener, monkeypatch):
     worker_of(jobs, listener)
-    monkeypatch.setattr("workbench.app.runtime.jobs.LONGEST_QUESTION", 0.2)
+    monkeypatch.setattr("workbench.app.runtime.jobs.LONGEST_QUESTION", 3.0)
     ask(jobs, listener, 71, "wait_stubbornly")
     assert listener.progress.get(timeout=PATIENCE)[0] < 0, "it is the question that runs"
     jobs.start(1, "echo", {})

@@ -161,13 +161,13 @@ def test_evidence_of_a_row_that_was_let_out_otherwise_is_found(bench, planned, c
 def test_a_stop_in_the_second_plan_ends_the_row(bench, planned, monkeypatch):
     made, robot = bench()
     runner = made._effects._robot
-    see = runner._see_it_at
+    see = runner._await_start_of
 
     def slow_down(plan):
         see(plan)
         robot._body.speed = 0.01
 
-    monkeypatch.setattr(runner, "_see_it_at", slow_down)
+    monkeypatch.setattr(runner, "_await_start_of", slow_down)
     made.do(SendPlan(planned[1].plan.digest), "ada")
     wait_until(lambda: len(made.state.sent_before) == 1 and made.state.receipts)
     made.do(Stop(), "bob")
@@ -182,14 +182,14 @@ def test_a_stop_in_the_second_plan_ends_the_row(bench, planned, monkeypatch):
 def test_a_stop_between_two_plans_lets_no_other_begin(bench, planned, monkeypatch):
     made, _ = bench()
     runner = made._effects._robot
-    see, waits = runner._see_it_at, []
+    see, waits = runner._await_start_of, []
 
     def slowly(plan):
         see(plan)
         waits.append(plan)
         wait_until(lambda: made.state.stopped_by)
 
-    monkeypatch.setattr(runner, "_see_it_at", slowly)
+    monkeypatch.setattr(runner, "_await_start_of", slowly)
     made.do(SendPlan(planned[1].plan.digest), "ada")
     wait_until(lambda: waits)
     made.do(Stop(), "bob")
@@ -204,14 +204,14 @@ def test_a_stop_between_two_plans_lets_no_other_begin(bench, planned, monkeypatc
 def test_who_ends_the_workbench_between_two_plans_lets_no_other_begin(bench, planned, monkeypatch):
     made, _ = bench()
     runner = made._effects._robot
-    see, waits = runner._see_it_at, []
+    see, waits = runner._await_start_of, []
 
     def slowly(plan):
         see(plan)
         waits.append(plan)
         wait_until(lambda: runner._stopped.is_set())
 
-    monkeypatch.setattr(runner, "_see_it_at", slowly)
+    monkeypatch.setattr(runner, "_await_start_of", slowly)
     made.do(SendPlan(planned[1].plan.digest), "ada")
     wait_until(lambda: waits)
     made.stop_sending()

@@ -15,7 +15,7 @@ from workbench.app.runtime import effect_runner
 from workbench.app.runtime.robot_link import LinkRunner
 
 
-@pytest.mark.parametrize("broken", ["_parts", "_see_it_stand", "_end"])
+@pytest.mark.parametrize("broken", ["_parts", "_await_rest", "_end"])
 def test_whatever_goes_wrong_at_the_end_of_a_sending_it_is_a_fault_on_record(
     cell, controller, bench_at, monkeypatch, broken
 ):
@@ -33,7 +33,7 @@ def test_whatever_goes_wrong_at_the_end_of_a_sending_it_is_a_fault_on_record(
     bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
     bench.do(Stop(), "ada")
     state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
-    says = "internal error" if broken == "_see_it_stand" else "sending was stopped"
+    says = "internal error" if broken == "_await_rest" else "sending was stopped"
     assert says in str(state.fault)
     wait_until(lambda: bench.live.link.phase == "closed")
 

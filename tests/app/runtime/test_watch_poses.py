@@ -147,7 +147,9 @@ def test_a_cell_without_parts_says_that_the_part_is_not_known(bench, watch, tmp_
 @pytest.mark.parametrize("name", [b"\xff.txt", b"a\nb.txt", b"x" * 240 + b".txt"])
 @pytest.mark.parametrize("content", [halcon((1, 1, 1)), "no poses"])
 def test_a_file_with_a_name_that_cannot_be_recorded_is_read(bench, watch, tmp_path, name, content):
-    (tmp_path / "poses" / os.fsdecode(name)).write_text(content)
+    # Renamed into place: a busy machine may pause between making a file and filling it.
+    (tmp_path / "written").write_text(content)
+    (tmp_path / "written").rename(tmp_path / "poses" / os.fsdecode(name))
     reaches(bench, lambda s: s.message)
     assert (bench.state.detections is None) == (content == "no poses")
 

@@ -7,6 +7,7 @@ import pytest
 from prepared_bench import Canned, make_results
 
 from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.standing import moved_away
 from workbench.app.core.state import Phase
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
@@ -64,7 +65,8 @@ def cycle_with(results, folder, looks):
     effects = functools.partial(LateReports, looks=looks)
     bench = Bench(results.cell, Journal(folder), effects=lambda cell, do, now: effects(results, do))
     try:
-        Cycle(bench, 1, [], lambda done, note: None)._see_it_at_the_start(results.planned.plan)
+        plan, cycle = results.planned.plan, Cycle(bench, 1, [], lambda done, note: None)
+        cycle._wait_while(lambda cell, joints: moved_away(cell, plan, joints))
         return bench.live.joints
     finally:
         bench.close()

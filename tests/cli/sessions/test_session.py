@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
+from waiting import PATIENCE
 
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.cycle.approval import Approve
@@ -37,7 +38,7 @@ def folder(tmp_path_factory):
 
     def step(command, phase: str) -> None:
         bench.do(command, "Ada")
-        state = bench.wait(lambda state: state.phase == phase and state.job is None, 120)
+        state = bench.wait(lambda state: state.phase == phase and state.job is None, PATIENCE)
         assert state.phase == phase, state.message
 
     for _ in range(2):

@@ -66,7 +66,8 @@ IN_THE_FIRST_LEG = {
 
 def lied(planned, until, lie, number):
     cell, plan, approval = planned
-    there = elsewhere(cell, silence_s=1.0, ask_s=2.0)
+    # A plan that a program has taken ends by its silence; a busy machine may ask for it late.
+    there = elsewhere(cell, silence_s=1.0, ask_s=60.0 if until else 2.0)
     sent = Sent(there, plan, another(approval, number))
     robot = Program(there, there.controller.port, run=number + 2)
     robot.home = np.asarray(cell.arms[0].home)

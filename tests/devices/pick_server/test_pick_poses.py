@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
-from pick_scenes import Sent, another, free_port, program
+from pick_scenes import Sent, another, program
+from ports import free_port
 from waiting import PATIENCE, wait_until
 
 from workbench.devices.pick_server.asking import Asker
@@ -162,7 +163,7 @@ LATER_LIES = {
     ("number", "name"), list(enumerate((*LIES, *LATER_LIES))), ids=[*LIES, *LATER_LIES]
 )
 def test_a_lie_gets_no_pose_and_leaves_no_sending(offered, number, name):
-    _, sent, robot = offered(number, run=number + 2, silence_s=1.0, ask_s=2.0)
+    _, sent, robot = offered(number, run=number + 2, silence_s=1.0)
     robot.begin(*robot.joints)
     before = robot.poses() if name in LATER_LIES else []
     answer = (LIES | LATER_LIES)[name](robot)
@@ -216,7 +217,7 @@ def test_a_plan_that_nobody_has_approved_goes_out_as_poses_alone(planned):
 @pytest.mark.parametrize("fault", ["silent@2", "anew@2", "empty-hand@3", "cut@2"])
 def test_faults_of_the_program_end_in_doubt_or_on_record(planned, fault):
     cell, plan, approval = planned
-    there = seeing(cell, silence_s=1.0)
+    there = seeing(cell, silence_s=1.0) if fault == "silent@2" else seeing(cell)
     with program(there, fault, port=there.controller.port):
         receipts, error = Sent(there, plan, approval).ended()
     if fault in ("silent@2", "anew@2"):

@@ -4,12 +4,12 @@ import sys
 
 import pytest
 from idle import Idle
-from pick_scenes import free_port
+from ports import free_port
 from pymodbus.client import ModbusTcpClient
 
 from workbench.app.runtime.bench import Bench
 from workbench.cli.arguments.serving import Serve
-from workbench.cli.serving.plc import modbus
+from workbench.cli.serving.plc import serve_plc
 from workbench.extras.modbus.registers import MAP_VERSION, Register
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
@@ -24,13 +24,13 @@ def bench(tmp_path):
 
 
 def test_it_is_off_unless_asked_for(bench, capsys):
-    with modbus(bench, Serve()):
+    with serve_plc("modbus", bench, Serve()):
         assert capsys.readouterr().out == ""
 
 
 def test_it_is_served_where_that_was_typed(bench, capsys):
     port = free_port()
-    with modbus(bench, Serve(modbus=port)):
+    with serve_plc("modbus", bench, Serve(modbus=port)):
         assert capsys.readouterr().out == f"Modbus: 127.0.0.1 port {port}, for this machine\n"
         with ModbusTcpClient("127.0.0.1", port=port) as client:
             read = client.read_holding_registers(Register.VERSION, count=1)
@@ -42,10 +42,13 @@ def test_what_is_wrong_is_said(bench, monkeypatch):
         (Serve(modbus=0), "--modbus"),
         (Serve(modbus=502, modbus_host="192.0.2.1"), "state who may connect"),
     ):
-        with pytest.raises(InputError, match=problem), modbus(bench, typed):
+        with pytest.raises(InputError, match=problem), serve_plc("modbus", bench, typed):
             pass
     monkeypatch.setitem(sys.modules, "pymodbus.constants", None)
     for name in ("server", "serving"):
         monkeypatch.delitem(sys.modules, f"workbench.extras.modbus.{name}")
-    with pytest.raises(InputError, match="pip install"), modbus(bench, Serve(modbus=502)):
+    with (
+        pytest.raises(InputError, match="pip install"),
+        serve_plc("modbus", bench, Serve(modbus=502)),
+    ):
         pass

@@ -24,7 +24,7 @@ def test_a_plc_reads_chooses_and_reports_bins_by_name(site):
 
     assert values(bench.state) == ("right", "right, left", "")
     assert values(replace(bench.state, empty_bins=("left", "right")))[2] == "right, left"
-    bench.do(methods["ChooseBin"](["left"]), "plc")
+    bench.do(methods["ChooseBin"]("left"), "plc")
     assert values(bench.state)[0] == "left"
-    bench.do(methods["NewBin"](["left"]), "plc")
+    bench.do(methods["NewBin"]("left"), "plc")
     assert str(bench.state.message) == "bin left is new"

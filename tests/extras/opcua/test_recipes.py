@@ -54,7 +54,7 @@ def test_a_plc_reads_the_recipes_and_chooses_one_by_number(site):
 
 def test_a_plc_leaves_strategy_and_threshold_to_the_recipe():
     (method,) = (one for one in METHODS if one.name == "MakePlan")
-    left, stated = method.make([3, "", -1.0]), method.make([3, "auto", 0.2])
+    left, stated = method.make(3, "", -1.0), method.make(3, "auto", 0.2)
     assert isinstance(left, MakePlan) and isinstance(stated, MakePlan)
     assert (left.seed, left.strategy, left.threshold) == (3, "", None)
     assert (stated.strategy, stated.threshold) == ("auto", 0.2)

@@ -27,16 +27,16 @@ def test_a_plc_reads_and_chooses_views_by_name(site):
         return told["View"], told["Views"]
 
     assert values() == ("bin", "bin, low")
-    bench.do(methods["ChooseView"](["low"]), "plc")
+    bench.do(methods["ChooseView"]("low"), "plc")
     assert values() == ("low", "bin, low")
     with pytest.raises(CommandRefused, match="bin, low"):
-        bench.do(methods["ChooseView"](["high"]), "plc")
-    assert methods["PlanView"](["home"]).view == "home"
-    assert isinstance(methods["PlanView"]([""]), PlanView)
+        bench.do(methods["ChooseView"]("high"), "plc")
+    assert methods["PlanView"]("home").view == "home"
+    assert isinstance(methods["PlanView"](""), PlanView)
 
 
 def test_the_role_of_the_login_decides_who_acknowledges_a_fault(site):
-    (acknowledge,) = (method.make([]) for method in METHODS if method.name == "Acknowledge")
+    (acknowledge,) = (method.make() for method in METHODS if method.name == "Acknowledge")
     with pytest.raises(NotAllowed):
         site.bench.do(acknowledge, "vic", Role.VIEWER)
     with pytest.raises(CommandRefused, match="no fault"):

@@ -40,7 +40,7 @@ async def close_code(port: int, origin: str | None) -> int | None:
         f"ws://127.0.0.1:{port}", subprotocols=[PROTOCOL], origin=origin
     ) as connection:
         try:
-            await asyncio.wait_for(connection.recv(), 5)
+            await asyncio.wait_for(connection.recv(), PATIENCE)
         except websockets.ConnectionClosed:
             return connection.close_code
     return None

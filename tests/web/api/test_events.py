@@ -83,9 +83,9 @@ def test_a_login_that_ends_ends_the_stream(people, listen):
 
 
 def test_a_listener_that_does_not_read_is_cut(listen, site, monkeypatch):
-    monkeypatch.setattr(events, "WRITE_SECONDS", 0.1)
     stream = listen()
     next(stream)
+    monkeypatch.setattr(events, "WRITE_SECONDS", 0.1)
 
     async def never(response, data):
         await asyncio.Event().wait()

@@ -86,7 +86,7 @@ class Door:
 
     def after(self, seconds):
         self.now += seconds
-        self.limits.look()
+        self.limits.close_overdue()
 
 
 def these_are_there(connections):

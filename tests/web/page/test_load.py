@@ -1,19 +1,17 @@
 """The load on a page: what goes wrong with it is one error."""
 
 import asyncio
-import socket
 
 import pytest
 from attackers import PASSWORD
+from ports import free_port
 
 from workbench.model.errors import LinkError
 from workbench.studies.load.crowd import load
 
 
 def test_a_page_that_is_not_there_is_a_link_error():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        url = f"http://127.0.0.1:{probe.getsockname()[1]}"
+    url = f"http://127.0.0.1:{free_port()}"
     with pytest.raises(LinkError, match=url):
         asyncio.run(load(url, "bench", PASSWORD, 1, 1.0))
 

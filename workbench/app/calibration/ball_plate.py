@@ -12,7 +12,7 @@ from workbench.app.calibration.calibration import plate_pose
 from workbench.model.calibration import BallPlate, PlateObservation
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.scanner_poses import flange_at_view, scanner_pose, with_scanner_at
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, transform
 from workbench.model.scan import Obstacle, Scan
 from workbench.perception.calibration.rigid import fitted_motion
 from workbench.perception.simulation.ball_plate import (
@@ -133,6 +133,6 @@ def suggested_poses(
 
 def _box_around(plate: BallPlate, T_world_plate: pin.SE3) -> Obstacle:
     """An upright box around the balls of a plate that stands."""
-    centres = plate.centres @ T_world_plate.rotation.T + T_world_plate.translation
+    centres = transform(T_world_plate, plate.centres)
     low, high = centres.min(axis=0) - plate.radius, centres.max(axis=0) + plate.radius
     return Obstacle(pin.SE3(np.eye(3), (low + high) / 2), high - low)

@@ -10,6 +10,7 @@ from workbench.model.calibration import BallPlate, Calibration
 from workbench.model.cell import Cell
 from workbench.model.derived.scanner_poses import flange_at_view
 from workbench.model.errors import InputError
+from workbench.model.geometry import transform
 from workbench.perception.calibration.calibrate import MOST_POSES, calibrate
 from workbench.perception.calibration.plate_poses import PlatePose
 
@@ -53,7 +54,7 @@ def _solve(pairs: Sequence[PosePair], cell: Cell, *, in_hand: bool) -> Calibrati
     for pair in pairs[:: -(-len(pairs) // MOST_POSES)]:
         T = cell.T_world_robot * pair.T_base_flange
         T_camera_target = pair.T_camera_target
-        balls = centres @ T_camera_target.rotation.T + T_camera_target.translation
+        balls = transform(T_camera_target, centres)
         if in_hand:
             mover, at = plate_mover(T, T_world_view), T_world_view.translation
         else:

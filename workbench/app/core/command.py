@@ -6,14 +6,15 @@ command.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import ClassVar
 
 from workbench.app.core.effects import Effect
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
-from workbench.model.errors import CommandRefused
+from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import NextText
@@ -78,7 +79,6 @@ class Command(ABC):
     @classmethod
     def obstacle(cls, state: State) -> Message | None:
         """What else is in the way of this kind of command, whatever its values; else None."""
-        del state
         return None
 
     # Most commands have nothing to check but who gives them, and when.
@@ -110,6 +110,19 @@ class Entry:
     command: Command
     joints: Mapping[str, float] = field(default_factory=dict[str, float])
     role: Role = Role.ENGINEER
+
+
+@contextmanager
+def refuse_input() -> Generator[None]:
+    """Refuse a command where the block finds its values unusable.
+
+    Raises:
+        CommandRefused: the block raised an `InputError`; the message is the same.
+    """
+    try:
+        yield
+    except InputError as error:
+        raise CommandRefused(error.message) from error
 
 
 def refuse(problem: Message | None) -> None:

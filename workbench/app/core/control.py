@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from workbench.app.core.command import EVERY_PHASE, Asked, Command, Decision, Entry, Right, refuse
-from workbench.app.core.cycle.ahead import given_up
+from workbench.app.core.cycle.ahead import discard_ahead
 from workbench.app.core.people import FRONT_DOOR, MACHINES, Role
 from workbench.app.core.state import State
 from workbench.model.messages.commands import CommandText
@@ -157,7 +157,7 @@ def _without(asking: tuple[str, ...], name: str) -> tuple[str, ...]:
 def _end_tasks(before: State, after: State) -> Decision:
     """The state after a change of control: no task continues in the name of who gave it away."""
     if after.ahead is not None and after.control != before.control:
-        return given_up(after, AheadText.CONTROL_GONE())
+        return discard_ahead(after, AheadText.CONTROL_GONE())
     job = after.job
     if job is None or job.then is None or after.control == before.control:
         return after, ()

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from workbench.app.core.command import refuse_input
 from workbench.app.core.people import MACHINES
 from workbench.app.core.state import State
 from workbench.model.cell import MOST_PICKS, ORDER_NAMES, Cell, PlanOverrides
 from workbench.model.derived.policies import picks_problem
-from workbench.model.errors import CommandRefused, InputError
+from workbench.model.errors import CommandRefused
 from workbench.model.geometry import Floats
 from workbench.model.messages.commands import NameText
 from workbench.model.messages.message import FoundPart, Message
@@ -156,10 +157,8 @@ def check_detections(cell: Cell, detections: tuple[Detection, ...]) -> None:
         raise CommandRefused(ValueRefusal.POSES(most=MOST_PARTS, count=len(detections)))
     for number, detection in enumerate(detections):
         check_near(FoundPart(number), detection.T_world_part)
-        try:
+        with refuse_input():
             cell.part(detection.part)
-        except InputError as error:
-            raise CommandRefused(error.message) from error
 
 
 def check_configuration(cell: Cell, arm: str, q: Floats) -> None:
@@ -168,10 +167,8 @@ def check_configuration(cell: Cell, arm: str, q: Floats) -> None:
     Raises:
         CommandRefused: it cannot.
     """
-    try:
+    with refuse_input():
         joints = cell.arm(arm).joints
-    except InputError as error:
-        raise CommandRefused(error.message) from error
     lower, upper, _ = cell.robot.limits(joints)
     q = np.asarray(q)
     if q.shape != lower.shape or not np.all((q >= lower - 1e-3) & (q <= upper + 1e-3)):

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from workbench.app.core.after_a_miss import is_sure
 from workbench.app.core.cell.emptying import TryEmptying
-from workbench.app.core.command import Command
+from workbench.app.core.command import Command, refuse_input
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.sending import LinkEnded
@@ -16,7 +16,7 @@ from workbench.app.picking.sightlines import sees_from
 from workbench.app.picking.stations import put_down
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Cell
-from workbench.model.errors import CommandRefused, InputError
+from workbench.model.errors import InputError
 from workbench.model.part import Bin
 from workbench.model.plan import Plan, Proof, Proven
 from workbench.model.scan import Scan
@@ -85,7 +85,7 @@ def check_installed(state: State, command: Command) -> None:
         CommandRefused: they are not; the message states what is available.
     """
     command = command.plan if isinstance(command, GoOn) else command
-    try:
+    with refuse_input():
         match command:
             case MakePlan(overrides=overrides):
                 planner_named(overrides.on(state.cell.policy).planner)
@@ -93,5 +93,3 @@ def check_installed(state: State, command: Command) -> None:
                 check_pile(with_kinds(state.cell, kinds), count)
             case _:
                 pass
-    except InputError as error:
-        raise CommandRefused(error.message) from error

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
+from workbench.model.geometry import transform
 from workbench.model.part import Part
 from workbench.perception.views.camera import Pinhole
 from workbench.perception.views.rendering import rendered
@@ -49,7 +50,7 @@ def visibility(cell: Cell, part: Part) -> Visibility:
     _, _, depths, _, _ = rendered(
         T.homogeneous, points, triangles, False, camera.rays(), camera.focal, column, row
     )
-    distance = float((points @ T.rotation.T + T.translation)[:, 2].mean())
+    distance = float(transform(T, points)[:, 2].mean())
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
     return Visibility(
         int(np.isfinite(depths).sum()),

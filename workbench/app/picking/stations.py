@@ -15,7 +15,7 @@ from workbench.model.derived.assembling import assembled_kinds, assembled_pose, 
 from workbench.model.derived.by_recipe import kit_of, with_recipe
 from workbench.model.derived.by_tcp import by_each_tcp, by_plan
 from workbench.model.errors import JobCancelled
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, transform
 from workbench.model.messages.message import Message
 from workbench.model.messages.parts import StationText
 from workbench.model.messages.work import CancelText, ProgressText
@@ -93,7 +93,7 @@ class StationSearch:
 
     def stand(self, kind: str, station: Station, T: pin.SE3) -> Stand | Message:
         """A pose on a station with its quickest pick to a place, or why it is not possible."""
-        points = self.cell.part(kind).mesh.points @ T.rotation.T + T.translation
+        points = transform(T, self.cell.part(kind).mesh.points)
         if not _is_on(points, station):
             return StationText.TOO_SMALL()
         T_world_part = self.cell.T_world_station(station) * T

@@ -13,7 +13,7 @@ from packaging.utils import canonicalize_name
 
 from workbench import __version__
 from workbench.app.provenance.gathering import by_name
-from workbench.model.errors import InputError
+from workbench.plugins.extras import not_installed
 
 ROOT = "workbench"
 
@@ -110,7 +110,7 @@ def _distributions_here() -> Mapping[str, Distribution]:
     """
     found = by_name()
     if ROOT not in found:
-        raise InputError("the workbench is not installed: pip install it, or make run")
+        raise not_installed()
     return found
 
 

@@ -204,7 +204,7 @@ def _apart(file: Path, root: Path, *, is_put: bool, cancelled: Cancelled) -> tup
     try:
         answer = apart(
             file,
-            looked_into,
+            _inspect_or_restore,
             str(root.resolve()),
             is_put,
             longest=LONGEST_READING,
@@ -216,7 +216,7 @@ def _apart(file: Path, root: Path, *, is_put: bool, cancelled: Cancelled) -> tup
     return tuple(Thing(**fields) for fields in answer.value)
 
 
-def looked_into(file: Path, root: str, is_put: bool) -> Answer:
+def _inspect_or_restore(file: Path, root: str, is_put: bool) -> Answer:
     """What the process of its own does.
 
     Raises:

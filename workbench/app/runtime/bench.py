@@ -1,4 +1,4 @@
-"""The bench: the one place where commands become states, one at a time and on record."""
+"""The bench: here commands become states, one at a time, each recorded in the journal."""
 
 import threading
 import time
@@ -39,19 +39,22 @@ from workbench.model.messages.work import JobText, LinkText
 
 
 class Effects(Protocol):
-    """What carries out effects.  `run` returns at once; results come back as commands."""
+    """Carries out effects.  `run` returns at once; results come back as commands."""
 
     @property
     def live(self) -> Live:
-        """What goes on at this moment."""
+        """Live data for display."""
         ...
 
     def run(self, effect: Effect) -> None:
-        """Begin an effect; one at a time, never again into `do` from within; a stop at any time."""
+        """Start an effect, without a call of `do`.
+
+        The bench starts one effect at a time; only a stop may come meanwhile.
+        """
         ...
 
     def ask(self, question: Question) -> None:
-        """Have something worked out beside all that; returns at once."""
+        """Have a question answered between the jobs; returns at once."""
         ...
 
     def close(self) -> None:
@@ -62,25 +65,25 @@ class Effects(Protocol):
 FROM_A_VIEW = (
     TakeScan, UseScan, SightPlate, ScanBalls, GoOn, JobEnded, MakePlan, PlanView, PlanStir,
 )  # fmt: skip
-"""Commands for which it counts whether a scanner on an arm is at its view."""
+"""Commands whose rules compare the joints with the view of a scanner on an arm."""
 
 STOP_WAITS = 0.02
-"""[s] For the lock before a stop acts."""
+"""[s] Longest wait of a stop for each lock before it acts."""
 
 
 class Bench:
-    """Takes commands from anybody, one at a time, and sends everybody the newest state.
+    """Carries out commands, one at a time, and sends the newest state to its observers.
 
-    Lifetime: from construction until `close`.  It takes over the journal: an empty one begins
-    a session; one with entries is continued where it ended; what was under way then is
-    entered as ended (a sending as a fault, since nobody knows how far the robot came).  So are
-    votes and approvals: they let nothing out but in the bench that they were given to.
+    Lifetime: from construction until `close`, which also closes the journal.  With an empty journal
+    a session begins.  With entries the session continues, and the bench records the end of an
+    interrupted job.  An interrupted sending becomes a fault: the robot's progress is unknown.
+    Votes and approvals end, too: they are valid only in the bench that received them.
 
-    Concurrency: every method may be called from any thread, except that an observer may not
-    call `close`.  Commands wait for each other, and for one append to the journal, never for
-    work.  Each observer has a thread of its own: a slow one misses intermediate states and
-    delays nobody.  `state`, `live`, `head`, `wait`, `subscribe` and `stop_sending` never wait for
-    the disk, and a stop acts before it does; the comment in `__init__` says which lock holds what.
+    Concurrency: any thread may call any method, except that an observer may not call `close`.
+    Commands wait for each other and for one append to the journal, never for jobs.  Each observer
+    has its own thread, so a slow observer misses intermediate states and delays nobody.  `state`,
+    `live`, `head`, `wait`, `subscribe` and `stop_sending` never wait for the disk, and a stop acts
+    before its record is written; `__init__` describes the locks.
     """
 
     def __init__(
@@ -96,26 +99,26 @@ class Bench:
         """Begin or continue a session.
 
         Args:
-            cell: that the session runs with.
-            journal: of the session; `close` closes it.
-            now: seconds since the epoch; with the actor, the only input besides commands.
-            steady: seconds that only go on; a vote lapses by them, too.
-            effects: makes what carries out effects.
-            start: states what runs here, and is recorded first; None: nothing is said of it.
+            cell: the cell of the session.
+            journal: the journal of the session; `close` closes it.
+            now: returns seconds since the epoch; the only input besides commands and actors.
+            steady: returns monotonic seconds, which also limit the validity of a vote.
+            effects: makes the object that carries out effects.
+            start: command that states the installation, recorded first; None: no such record.
 
         Raises:
             JournalError: the journal cannot be written, another program writes to it, or its
                 entries do not fit.
-            CommandRefused: the end of what was under way cannot be written.
+            CommandRefused: the end of an interrupted job or sending cannot be written.
         """
         self.cell = cell
         self._journal = journal
         self._now = now
-        # Two locks, taken in this order.  `_recording` is held for rules, decision, one append and
-        # the start of effects: as long as the disk takes, which may be for ever.  `_news` is held
-        # for moments, to read or change the state, the head and the observers.  What has to work
-        # while the disk hangs takes `_news` alone, or no lock; nothing waits inside `_news`.
-        # Before both of them, `_stopping` keeps the end that a stop brings behind its record.
+        # Three locks, acquired in this order.  `_stopping`: a stop holds it until its record is
+        # written, and the end of the link waits for it.  `_recording`: held during rules, decision,
+        # one append and the start of effects, so as long as the disk takes.  `_news`: held for
+        # moments, to read or change state, head and observers; its holder waits for nothing.  Code
+        # that must work while the disk hangs acquires `_news` alone, or no lock.
         self._stopping = threading.RLock()
         self._recording = threading.RLock()
         self._news = threading.Condition()
@@ -143,46 +146,45 @@ class Bench:
 
     @property
     def folder(self) -> Path:
-        """Where the session lies; other sessions lie beside it."""
+        """The folder of the session; its parent holds the other sessions."""
         return self._journal.folder
 
     @property
     def live(self) -> Live:
-        """What goes on at this moment: it is not recorded and decides nothing."""
+        """Live data for display, which is not recorded and decides nothing."""
         return Live() if self._effects is None else self._effects.live
 
     def do(self, command: Command, actor: str, role: Role = Role.ENGINEER) -> State:
         """Carry out a command, or refuse it and change nothing.
 
         Args:
-            command: what is asked for, or what a machine reports.
-            actor: the person's name, or one of `people.MACHINES`.
-            role: the person's; who works at this machine's own shell may do everything.
+            command: the request of a person, or the report of a machine.
+            actor: name of the person, or one of `people.MACHINES`.
+            role: role of the person; commands typed at this machine have the highest.
 
         Returns:
-            The state right after it.
+            The state after the command.
 
         Raises:
-            CommandRefused: the rules do not admit it, or it could not be recorded (`NotRecorded`).
+            CommandRefused: the rules refuse it, or it could not be recorded (`NotRecorded`).
         """
         if isinstance(command, Stop):
             return self._stop(command, actor, role)
         if isinstance(command, LinkEnded):
             with self._stopping:
-                pass
-        # How the robot stands counts where a plan is let out, and is on record there.
+                pass  # a stop that has caused this end is recorded first
         joints = self.live.joints if self._asks_for_joints(command) else NOT_REPORTED
-        # Looked at before anything is made of its content, which may be anything.
+        # Checked before anything uses the values, which may be of any type.
         check_allowed(self._state, command, actor, self._now(), joints, role)
         check_installed(self._state, command)
         return self._carry_out(command, actor, role, joints)
 
     def _stop(self, command: Stop, actor: str, role: Role) -> State:
-        """Stop, then record it: another command may hold the lock, or a disk that hangs."""
+        """Stop the robot, then record the stop: another command may hold the lock for long."""
         is_first = self._stopping.acquire(timeout=STOP_WAITS)
         is_held = self._recording.acquire(timeout=STOP_WAITS)
         if not is_held and self._state.phase is not Phase.SENDING:
-            # The command on its way to the disk may be the sending that this stop means.
+            # The command that is being recorded may be the sending that this stop is for.
             is_held = self._recording.acquire()
         try:
             check_allowed(self._state, command, actor, self._now(), role=role)
@@ -197,10 +199,9 @@ class Bench:
     def _carry_out(
         self, command: Command, actor: str, role: Role, joints: Mapping[str, float]
     ) -> State:
-        """Record a command and let it act; see `do`."""
+        """Record a command, then start its effects; see `do`."""
         command = with_facts(self._state, command)
-        # A scan takes a while to become bytes, and to reach the disk: nobody else waits for that,
-        # least of all a stop.
+        # A scan takes long to encode and to write: done without a lock, so no stop waits for it.
         form = command_form(command)
         self._keep(form)
         with self._recording:
@@ -212,7 +213,7 @@ class Bench:
             if lapse is not None and isinstance(command, SendPlan):
                 raise CommandRefused(lapse)
             if lapse is not None and isinstance(command, LinkEnded) and before.row:
-                # No plan of a row goes out by votes that have lapsed.
+                # Expired votes release no further plan of a row.
                 command = replace(command, row_ends=lapse)
                 form = command_form(command)
             entry = Entry(before.number + 1, now, actor, command, joints, role)
@@ -231,7 +232,7 @@ class Bench:
             self._publish(after)
             self._run(effects)
             if self._is_ending:
-                # `stop_sending` waits for no lock: what it has not seen begin stops here.
+                # `stop_sending` waits for no lock, so a sending may have begun after it.
                 self._run((StopSending(),))
         return after
 
@@ -242,10 +243,10 @@ class Bench:
             raise NotRecorded(JobText.UNRECORDED(error=error.message)) from error
 
     def _asks_for_joints(self, command: Command) -> bool:
-        """Whether how the robot stands counts in a command: where it lets a plan go out.
+        """Whether the rules of a command need the joints, which its entry then records.
 
-        And where a scan is taken or used whose scanner an arm carries, or that goes to its view;
-        and where an arm drops back from where it stands.
+        The release of a plan needs them, and a drop back of what an arm holds.  For a scanner on an
+        arm its scans and the motion to its view need them, too.
         """
         if self._state.cell.scanner.on_arm is not None and isinstance(command, FROM_A_VIEW):
             return True
@@ -254,17 +255,17 @@ class Bench:
         return isinstance(command, Approve | SendPlan | PlanDropBack)
 
     def ask(self, question: Question) -> None:
-        """Have something worked out that is only checked: it is not recorded, changes nothing."""
+        """Have a question answered; it is not recorded and changes nothing."""
         if self._effects is not None:
             self._effects.ask(question)
 
     @property
     def head(self) -> tuple[int, str]:
-        """Number and hash of the last entry on record."""
+        """Number and hash of the last entry."""
         return self._head
 
     def entries(self, after: int = 0) -> Iterator[Row]:
-        """What is on record after the entry with that number, in order.
+        """The entries after the one with that number, in order.
 
         Raises:
             JournalError: the journal cannot be read.
@@ -278,12 +279,12 @@ class Bench:
             return self._state
 
     def subscribe(self, callback: Observer) -> Callable[[], None]:
-        """Have `callback(old, new)` called in its own thread whenever the state has changed.
+        """Call `callback(old, new)` in its own thread whenever the state has changed.
 
-        `old` is the state of the call before, at first the one that holds now.
+        `old` is the state of the previous call, for the first call the present state.
 
         Returns:
-            A function that ends it; a call under way is not waited for.
+            A function that ends the subscription; it does not wait for a call in progress.
         """
         with self._news:
             observer = ObserverThread(callback, self._state)
@@ -298,16 +299,16 @@ class Bench:
         return unsubscribe
 
     def stop_sending(self) -> None:
-        """Stop the robot and take nothing more from people: the first step of an end.
+        """Stop the robot and refuse further commands of people: the first step of an end.
 
-        Returns at once, also while a disk hangs.  What else ends may take its time after that.
+        Returns at once, also while a disk hangs.
         """
         self._is_ending = True
         if not self._is_closed:
             self._run((StopSending(),))
 
     def close(self) -> None:
-        """Stop the robot and the worker, record that, and end; twice does no harm."""
+        """Stop the robot and the worker, record that, and end; a second call does nothing."""
         with self._news:
             if self._is_closed:
                 return
@@ -330,7 +331,7 @@ class Bench:
             self._news.notify_all()
 
     def _run(self, effects: tuple[Effect, ...]) -> None:
-        # Where a session begins, what is under way only ends: nothing carries out anything yet.
+        # While the constructor records interrupted work as ended, there are no effects yet.
         if self._effects is not None:
             for effect in effects:
                 self._effects.run(effect)

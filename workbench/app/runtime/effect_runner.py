@@ -1,4 +1,4 @@
-"""What carries out effects: the worker process, and the threads that speak with the robot."""
+"""Carries out effects, by the worker process and the threads of the robot link."""
 
 import logging
 import threading
@@ -54,11 +54,11 @@ log = logging.getLogger(__name__)
 class EffectRunner:
     """The worker process and the robot of one bench.
 
-    Lifetime: from construction until `close`, which first ends a sending and waits until its
-    end is reported.
+    Lifetime: from construction until `close`, which first ends a sending and waits for the report
+    of its end.
 
-    Concurrency: `run`, `ask` and `live` return at once.  Jobs report from one thread, a sending
-    from another, so that a stop never waits for a job.
+    Concurrency: `run`, `ask` and `live` return at once.  Jobs and sendings report from two
+    threads, so that a stop never waits for a job.
     """
 
     def __init__(
@@ -71,23 +71,23 @@ class EffectRunner:
         cell_file: Path | None = None,
         patience: LinkPatience = USUAL,
     ) -> None:
-        """Start the worker, and the watch over the robot's state.
+        """Start the worker and the robot link.
 
         Args:
-            cell: that the jobs work on, and whose controller is spoken to.
-            do: takes what they report.
-            now: seconds since the epoch.
+            cell: the cell of the jobs and of the robot link.
+            do: gives their reports to the bench.
+            now: returns seconds since the epoch.
             module: the module of the worker's jobs.
-            cell_file: where changes of the cell are written to.
-            patience: how long the controller is waited for.
+            cell_file: file that changes of the cell are written to.
+            patience: how long the robot link waits for the controller.
         """
         self._do = do
         self._now = now
         self._cell_file = cell_file
-        # Files that hold half of what was to be saved; known to the thread of files alone.
+        # Whether the files hold half of the changes; only the thread of files uses it.
         self._is_half_saved = False
         self._lock = threading.Lock()
-        # One after the other, and not while others wait for the bench: a disk may be slow.
+        # A thread of its own for files: a disk may be slow.
         self._files = ThreadPoolExecutor(1, "files")
         self._closing = threading.Event()
         self._live = Live()
@@ -98,15 +98,15 @@ class EffectRunner:
 
     @property
     def live(self) -> Live:
-        """What goes on at this moment."""
+        """Live data for display."""
         return self._live
 
     def run(self, effect: Effect) -> None:
-        """Begin an effect; its results are given to `do`."""
+        """Start an effect; its results go to `do`."""
         match effect:
             case StartJob(number=number, name=name, arguments=arguments):
                 self._show(job=number, done=0.0, note="", started=self._now())
-                # Where the parts lie is no matter of decisions, and not on record.
+                # The folder of the parts decides nothing, so no entry records it.
                 self._jobs.start(number, name, {**arguments, "cell_file": self._cell_file})
             case StopJob(number=number):
                 self._jobs.cancel(number)
@@ -135,18 +135,18 @@ class EffectRunner:
                 assert_never(effect)
 
     def ask(self, question: Question) -> None:
-        """Have something worked out between jobs."""
+        """Have a question answered between jobs."""
         self._jobs.ask(question)
 
     def close(self) -> None:
-        """End the sending first, then the worker; waits until both are gone."""
+        """End the sending first, then the worker; wait for both."""
         self._closing.set()
         self._robot.close()
         self._jobs.close()
         self._files.shutdown()
 
     def _drafts(self, parts: Sequence[str], change: Callable[[Mapping[str, Path]], object]) -> None:
-        """Change drafts beside the parts; a draft that cannot be kept stops nobody."""
+        """Change drafts in the folders of parts; a failure is only logged."""
         if self._cell_file is None:
             return
         cell_file = self._cell_file
@@ -160,7 +160,7 @@ class EffectRunner:
         self._to_files(write)
 
     def _to_files(self, work: Callable[[], None]) -> None:
-        """Have files changed; whatever fails is in the log, since nobody looks at the result."""
+        """Change files in the thread for them; a failure is only logged."""
 
         def work_and_log() -> None:
             try:
@@ -179,7 +179,7 @@ class EffectRunner:
         except Exception as error:
             log.exception("the cell could not be written")
             command = CellRead(problem=str(internal_error(error)))
-        # A task may have begun meanwhile: what became of saving is told when it has ended.
+        # A task may have begun meanwhile; the result of saving is reported after its end.
         insist(
             self._do,
             command,
@@ -192,7 +192,7 @@ class EffectRunner:
             self._show(is_saving=False)
 
     def _save(self, effect: WriteCell) -> tuple[Cell, Message]:
-        """Write the cell and its parts, and read back what the files hold now; tell what was new.
+        """Write the cell and its parts; returns the cell read back from the files, and the changes.
 
         Raises:
             InputError: something cannot be written or read.
@@ -205,7 +205,7 @@ class EffectRunner:
         folders = part_folders(self._cell_file, [part.name for part in effect.cell.parts])
         saved, before = list[Message](), read_whole(self._cell_file, LARGEST_FILE)
         filed = tuple(read_part(folders[part.name]) for part in effect.cell.parts)
-        # Asked before anything is written: half of it would look like a change from outside.
+        # Checked before anything is written: half a save would look like a change from outside.
         new = replace(effect.cell, parts=filed)
         written_cell(self._cell_file, new)
         self._is_half_saved = True
@@ -240,7 +240,7 @@ class EffectRunner:
             self._live = replace(self._live, **changes)
 
     def _prepare(self, what: GettingReady | None) -> None:
-        # A job that has waited for it begins now: its clock does not count what it waited for.
+        # A job that has waited for the worker starts now, and so does its clock.
         began = {} if what is not None else {"started": self._now()}
         self._show(getting_ready=what, **began)
 
@@ -258,7 +258,7 @@ class EffectRunner:
         try:
             self._insist(JobEnded(number, result))
         except Exception as error:
-            # A result that has no canonical form, say: the task must not seem to run for ever.
+            # For instance a result without canonical form: the task must end all the same.
             log.exception("the result of task %d cannot be taken", number)
             self._insist(JobEnded(number, WorkbenchError(internal_error(error))))
 
@@ -270,7 +270,7 @@ class EffectRunner:
 
 
 def _changes_of(file: Path, known: Cell | None, new: Cell) -> Message:
-    """The cell file that was written, with what differs; None: what it held is not known."""
+    """The cell file that was written, and the changes; `known` is its content before, or None."""
     if known is None:
         return JobText.THE_CELL()
     name = f"{file.parent.name}/{file.name}"

@@ -1,8 +1,8 @@
-"""Long work in one warm process of its own, so that no page ever waits for it.
+"""Long computations in one warm worker process, so that no page waits for them.
 
-The worker imports the heavy layers while it is idle, runs one job at a time, and may be killed
-at any moment: by a cancel that it does not follow, by the system, or with this process.  A
-new one takes its place.
+The worker imports the heavy layers while it is idle and runs one job at a time.  It may die at any
+moment: killed after a cancellation that it ignores, by the system, or with this process.  Then a
+new worker replaces it.
 """
 
 import logging
@@ -46,16 +46,16 @@ WORK = "workbench.app.runtime.work"
 """The module whose `JOBS` the worker runs."""
 
 GRACE = 0.3
-"""How long [s] a cancelled job may take to end by itself."""
+"""[s] Time for a cancelled job to end by itself."""
 
 PACE = 0.08
-"""[s] Questions of one asker or of several begin no sooner after each other, however many come."""
+"""[s] Shortest interval between the starts of two questions, whoever asks them."""
 
 LONGEST_QUESTION = 10.0
-"""[s] A question that takes longer ends the worker, so that none holds up the jobs."""
+"""[s] A question that takes longer ends the worker, so that it does not delay the jobs."""
 
 ATTEMPTS = 3
-"""Workers in a row that may die before they are ready; after that a job has to ask for one."""
+"""Number of workers in a row that may die at their start; then only a job starts another."""
 
 Ended = Callable[[int, Any], None]
 """Callback with the number of a job and its result, or the `WorkbenchError` that ended it."""
@@ -68,18 +68,18 @@ Prepared = Callable[[GettingReady | None], None]
 
 
 class Jobs:
-    """Runs jobs one after the other in a process that is kept warm, and questions between them.
+    """Runs jobs one after the other in a warm process, and questions between them.
 
-    Questions are about what somebody drags, which nobody can while a job runs: so they are asked of
-    the same process, which holds all that is loaded and compiled once.  A job goes first, and waits
-    for no more than one question.
+    Questions are about a thing that a person drags, which is impossible during a job.  So the same
+    process answers them, with everything loaded and compiled once.  A job has precedence and waits
+    for one question at most.
 
-    Lifetime: the process is started at once and replaced when it dies; `close` ends it, and so
-    does the end of this process, however that comes.
+    Lifetime: the process starts at once and is replaced when it dies.  `close` ends it, and any end
+    of this process does.
 
-    Concurrency: `start`, `ask`, `cancel` and `close` may be called from any thread; the first three
-    return at once.  `ended`, `progressed` and `prepared` are called from one thread of this
-    object, one call after the other; they may call `start` and `cancel`.
+    Concurrency: any thread may call `start`, `ask`, `cancel` and `close`; the first three return at
+    once.  One thread of this object calls `ended`, `progressed` and `prepared`, one call after the
+    other; they may call `start` and `cancel`.
     """
 
     def __init__(
@@ -94,10 +94,10 @@ class Jobs:
         """Start the worker.
 
         Args:
-            cell: that all jobs work on.
-            ended: called once for every job, unless `close` came first.
-            progressed: called now and then.
-            prepared: called while the worker gets ready, which jobs wait for.
+            cell: the cell of all jobs.
+            ended: called once for every job, except after `close`.
+            progressed: called with the progress of a job.
+            prepared: called while the worker gets ready; jobs wait for it.
             module: its `JOBS` maps names to job functions.
         """
         self._ended = ended
@@ -112,7 +112,7 @@ class Jobs:
         self._closing = False
         self._woken = False
         self._bell, self._rope = multiprocessing.Pipe(duplex=False)
-        # What follows belongs to the thread.
+        # Only the thread uses the following fields.
         self._worker: _Worker | None = None
         self._running: Request | None = None
         self._asked: Question | None = None
@@ -125,38 +125,38 @@ class Jobs:
         self._thread.start()
 
     def start(self, number: int, name: str, arguments: Mapping[str, Any]) -> None:
-        """Have a job run as soon as those before it have ended."""
+        """Run a job after all earlier jobs."""
         with self._lock:
             self._waiting.append(Request(number, name, arguments, self._cell))
             self._wake()
 
     def ask(self, question: Question) -> None:
-        """Have a question answered between jobs, instead of the asker's last one not begun."""
+        """Answer a question between jobs; it replaces a waiting question of the same asker."""
         with self._lock:
-            # In its place: who asks without pause gets no more turns than others.
+            # It also takes the place in the queue: frequent questions get no more turns.
             self._questions[question.asker] = question
             self._wake()
 
     def use(self, cell: Cell) -> None:
-        """Have all jobs that start from now on work on another cell."""
+        """Use another cell for all jobs from now on."""
         with self._lock:
             self._cell = pack_cell(cell)
 
     def cancel(self, number: int) -> None:
-        """End that job: by its own will within `GRACE`, else by killing the worker."""
+        """End a job: it may end by itself within `GRACE`; otherwise the worker is killed."""
         with self._lock:
             self._to_cancel.append(number)
             self._wake()
 
     def close(self) -> None:
-        """End the worker and whatever it does, and wait until it is gone; nothing is reported."""
+        """End the worker and its job, and wait for its end; no callback follows."""
         with self._lock:
             self._closing = True
             self._wake()
         self._thread.join()
 
     def _wake(self) -> None:
-        # One ring at a time, so that the pipe never fills and a caller never waits.
+        # One ring at a time: the pipe never fills, so no caller waits.
         if not self._woken:
             self._woken = True
             self._rope.send_bytes(b"!")
@@ -172,7 +172,7 @@ class Jobs:
         try:
             step()
         except Exception as error:
-            # No memory to pack a task, say: the tasks after it have to run all the same.
+            # For instance no memory to pack a job: the jobs after it still have to run.
             log.exception("the thread of tasks has failed")
             self._begin_anew(error)
 
@@ -184,7 +184,7 @@ class Jobs:
             self._bury()
 
     def _begin_anew(self, error: Exception) -> None:
-        """End what runs, or all that waits if nothing does; the next task gets a new worker."""
+        """End the running job, or else all waiting ones; the next job gets a new worker."""
         problem = WorkbenchError(internal_error(error))
         worker, self._worker = self._worker, None
         if self._running is not None:
@@ -214,7 +214,7 @@ class Jobs:
             self._listen(self._worker)
 
     def _patience(self) -> float | None:
-        """How long [s] nothing has to be done unless something comes; None: for ever."""
+        """Time [s] until the thread has something to do by itself; None: no limit."""
         now = time.monotonic()
         if self._kill_at is not None:
             return max(0.0, self._kill_at - now)
@@ -239,7 +239,7 @@ class Jobs:
         if self._worker is None and self._waiting:
             self._replace_worker()
         elif self._worker is None:
-            # Nobody waits for a worker that cannot be: a job that needs one says why.
+            # A question does not start a worker; the next job does, and reports why it fails.
             self._drop_questions(WorkbenchError(JobText.NO_WORKER()))
         elif self._worker.is_ready:
             with self._lock:
@@ -248,13 +248,13 @@ class Jobs:
                 self._worker.send(self._running)
 
     def _next_asked(self) -> Request | None:
-        """The question that has waited longest, if it is time for one; under the lock."""
+        """The question that has waited longest, if one may start now; call it under the lock."""
         now = time.monotonic()
         if now < self._next_question:
             return None
         self._asked = asked = self._questions.pop(next(iter(self._questions)))
         self._next_question, self._kill_at = now + PACE, now + LONGEST_QUESTION
-        # Below 0, so that it is no job's number, and no cancelling of a job ends it.
+        # A negative number is no job's, so no cancellation of a job ends the question.
         self._asked_count += 1
         return Request(-self._asked_count, asked.name, asked.arguments, self._cell)
 
@@ -271,7 +271,7 @@ class Jobs:
             self._bury()
             return
         except Exception as error:
-            # Unpacking runs the code of what was packed, which may raise anything.
+            # Unpacking runs code of the packed objects, which may raise anything.
             log.exception("an answer of the worker process cannot be read")
             problem = JobText.UNREADABLE(kind=type(error).__name__, error=str(error))
             self._running_ended(WorkbenchError(problem))
@@ -284,7 +284,7 @@ class Jobs:
                 self._failed_starts = 0
                 self._notify(self._prepared, None)
             case Unable(error=error, trace=trace):
-                # It ends now: see _bury.
+                # The worker ends now: see `_bury`.
                 log.error("%s\n%s", error, trace)
                 self._failed_starts, self._unable = ATTEMPTS, error
             case Progress(number=number, done=done, note=note):
@@ -299,7 +299,7 @@ class Jobs:
                 assert_never(message)
 
     def _bury(self) -> None:
-        """End the worker, if it has not ended by itself, and put a new one in its place."""
+        """End the worker, if it still runs, and replace it."""
         if self._worker is None:
             return
         was_cancelled = self._kill_at is not None
@@ -351,7 +351,7 @@ class Jobs:
 
 
 def internal_error(error: Exception) -> MessageText:
-    """The message about an error that nobody has expected; the log has the rest."""
+    """The message about an unexpected error; the log has its trace."""
     return JobText.INTERNAL(kind=type(error).__name__, error=str(error))
 
 
@@ -374,7 +374,7 @@ class _Worker:
             daemon=True,
         )
         self._process.start()
-        # With their end open here too, the end of the process would not be noticed.
+        # If this process held their end, too, it would not notice the end of the worker.
         theirs.close()
 
     def send(self, request: Request) -> None:

@@ -1,4 +1,4 @@
-"""The threads that speak with the robot: one sends a plan, one listens to what it reports."""
+"""The two threads of the robot link: one sends plans, one reads the states of the controller."""
 
 import logging
 import queue
@@ -37,20 +37,22 @@ Clock = Callable[[], float]
 """Seconds since the epoch."""
 
 Do = Callable[[Command, str], State]
-"""Gives a command to the bench, with the name of the one who gives it."""
+"""Gives a command to the bench, with the name of its actor."""
 
 RETRY = 1.0
-"""How long [s] to wait before asking again a controller that does not report its state."""
+"""[s] Pause before the next try to connect to a controller that reports no state."""
 
 
 @dataclass(slots=True)
 class Sending:
-    """One sending, as it goes.
+    """One sending in progress.
 
-    `before` is what the controller reported last before it, `receipts` what has gone out since.
-    `doubt` says why the sending must not go on from the time `doubted_at` [s] of `clock` on.
-    `let` is the last step of the plan that a person has let run, where each waits for that.
-    `following` is the plan that may go out after it, in a row.
+    Attributes:
+        before: the controller's last report before the sending.
+        receipts: receipts of the messages sent since.
+        doubt: why the sending must stop from the time `doubted_at` [s] of `clock` on.
+        let: last step that a person has allowed, in a plan that is sent step by step.
+        following: next plan of the row.
     """
 
     plan: Plan
@@ -64,17 +66,16 @@ class Sending:
     following: Plan | None = None
 
     def is_to_stop(self) -> bool:
-        """Whether somebody stops it, or what is reported does not fit what was sent."""
+        """Whether a person has stopped it, or the reports contradict the plan."""
         return self.stopped.is_set() or (self.doubt is not None and self.clock() >= self.doubted_at)
 
 
 class LinkRunner:
-    """Sends plans to the controller of a cell, and shows what it reports of itself.
+    """Sends plans to the controller of a cell, and shows the states that the controller reports.
 
-    Lifetime: the controller's reports are listened to from construction until `close`, again
-    and again where there are none; a connection for motion exists only while a plan is sent.
-    Both threads are there from the beginning: where none can be had, nothing begins that could
-    not be ended.
+    Lifetime: the connection for states is open from construction until `close`, and opened again
+    after a failure; that for motion is open only while a plan is sent.  The constructor starts both
+    threads: if the machine has none left, no sending begins that nobody could stop.
 
     Concurrency: `send` and `stop` return at once; `close` waits until the end of a sending is
     reported.  `do` is called from the sending's thread, `show` from the listening one.
@@ -108,10 +109,10 @@ class LinkRunner:
         self._giving_up = threading.Event()
         self._reports = threading.Condition()
         self._report: RobotState | None = None
-        # Connections for reports that were wanted, and the one that the report came by.
-        self._wanted = self._told = 0
+        # Numbers of the newest connection for states, and of the one that the report came by.
+        self._wanted = self._reported_by = 0
         self._runs: queue.SimpleQueue[tuple[Sending, Approval] | None] = queue.SimpleQueue()
-        # The sending that goes on, the same where reports alone say what is done, and the latest.
+        # The sending in progress; the same if only the states report its progress; the latest one.
         self._active = self._watched = cast(Sending | None, None)
         self._latest: Sending | None = None
         self._used: set[str] = set()
@@ -122,7 +123,7 @@ class LinkRunner:
         self._listener.start()
 
     def use(self, cell: Cell) -> None:
-        """Go on with another cell; not while something is sent."""
+        """Use another cell from now on; not while a plan is sent."""
         self._cell = cell
 
     def send(self, plan: Plan, approval: Approval, following: Plan | None = None) -> None:
@@ -135,14 +136,14 @@ class LinkRunner:
         """
         if not approval.first:
             self._stopped = threading.Event()
-        # Of a row all plans have one: a stop that comes between two of them stops the next one.
+        # The plans of a row share one event: a stop between two of them stops the next plan.
         stopped = self._stopped
         run = Sending(plan, self._report, stopped, self._patience.clock, following=following)
         self._latest = run
         self._runs.put((run, approval))
 
     def let(self, number: int) -> None:
-        """Let this step of the plan that is being sent run, once the robot waits before it."""
+        """Allow a step of the current plan; it runs once the robot waits before it."""
         if self._latest is not None:
             self._latest.let = number
 
@@ -166,30 +167,30 @@ class LinkRunner:
     def _send(self, run: Sending, approval: Approval) -> None:
         fault: Message | None = None
         try:
-            fault = self._spoken(run, approval)
+            fault = self._transmit(run, approval)
             outcome = self._outcome(run, fault)
             if run.following is not None and not fault:
-                self._see_it_at(run.following)
+                self._await_start_of(run.following)
             self._end(fault, *outcome)
         except Exception as error:
-            # Whatever it is, the sending must not seem to go on for ever.
-            log.exception("the end of a sending cannot be told as it was")
-            run.stopped.set()  # the next plan of the row may wait already
+            # The bench waits for an end, whatever has failed here.
+            log.exception("the end of a sending cannot be reported as it was")
+            run.stopped.set()  # the next plan of the row may wait in the queue
             self._active = self._watched = None
-            # A text that no journal can hold may have been the reason.
+            # The journal may have refused the text itself, so it is reduced to ASCII.
             text = str(fault or internal_error(error))
             self._end(plain(text.encode("ascii", "backslashreplace").decode()))
             self._show_link(replace(self._status, phase="closed"))
 
-    def _spoken(self, run: Sending, approval: Approval) -> Message | None:
-        """Send the plan, message by message; what ended that early, if anything did."""
+    def _transmit(self, run: Sending, approval: Approval) -> Message | None:
+        """Send the plan, message by message; returns the fault that ended it early, or None."""
         fault, is_silent = None, self._is_silent()
         self._show_link(LinkStatus(phase="connecting"))
         try:
             if run.stopped.is_set():
                 raise JobCancelled(LinkText.NOTHING_SENT())
             self._spend(approval)
-            # Where the link says nothing, nobody else compares what is done with what was said.
+            # A silent link reports no progress: `_compare` checks the states instead.
             self._active, self._watched = run, run if is_silent else None
             receipts = send(
                 run.plan,
@@ -201,15 +202,15 @@ class LinkRunner:
                 patience=self._patience,
                 let=lambda: run.let,
             )
-            # Closing the generator closes the link, whoever breaks off.
+            # Closing the generator closes the link, whichever side ends early.
             with closing(cast(Generator[Receipt, None, None], receipts)):
                 for receipt in receipts:
                     run.receipts.append(receipt)
                     self._do(Sent(receipt), ROBOT_LINK)
         except JobCancelled as error:
-            # A link that has nothing but its end says nothing of the robot.
+            # A silent link does not acknowledge the stop.
             if is_silent and self._status.stopped is None:
-                self._see_it_stand(run)
+                self._await_rest(run)
             fault = error.message if run.stopped.is_set() else all_of((run.doubt, error.message))
         except CommandRefused as error:
             fault = error.message
@@ -221,7 +222,7 @@ class LinkRunner:
         return fault
 
     def _outcome(self, run: Sending, fault: Message | None) -> tuple[int, tuple[PartReport, ...]]:
-        """How many parts were put down, and what is known of each."""
+        """The number of placed parts, and the report on each part."""
         self._active = self._watched = None
         self._show_link(replace(self._status, phase="closed"))
         parts = self._parts(run)
@@ -245,7 +246,7 @@ class LinkRunner:
         self._used.add(approval.digest)
 
     def _parts(self, run: Sending) -> tuple[PartReport, ...]:
-        """What was reported of each part of the plan; where nothing was, nobody knows."""
+        """The last report on each part of the plan; without one the result is None."""
         latest = {receipt.part.arm: receipt.part for receipt in run.receipts if receipt.part}
         why = LinkText.NO_REPORT(link=self._cell.controller.link)
         return tuple(
@@ -264,10 +265,10 @@ class LinkRunner:
 
         insist(self._do, ended, ROBOT_LINK, giving_up=self._giving_up, show_problem=show_unrecorded)
 
-    def _see_it_at(self, plan: Plan) -> None:
-        """Between two plans: show how the robot stands once that is where the next one starts.
+    def _await_start_of(self, plan: Plan) -> None:
+        """Between two plans of a row: show the joints once they are at the start of the next plan.
 
-        What is reported may be as old as the last bit of the motion; the rules decide by it.
+        The last report may date from the end of the motion, and the rules decide by the joints.
         """
         cell = self._cell
 
@@ -278,23 +279,22 @@ class LinkRunner:
         if report is not None:
             self._show(joints=self._by_joint(report.joints))
 
-    def _see_it_stand(self, run: Sending) -> None:
-        """After a stop by closing the link, which nobody acknowledges: what the reports say."""
+    def _await_rest(self, run: Sending) -> None:
+        """After a stop by closing the link, which nobody acknowledges: show whether it rests."""
         began = time.monotonic()
-        # What was told before says nothing of now, and who stands may have no news: it is asked.
+        # A new connection brings a new report, also from a robot that rests and reports no change.
         self._wanted += 1
         arrived = len(run.receipts) + (run.before.received if run.before else 0)
 
         def stands(report: RobotState) -> bool:
-            # A message on its way would make it move once more.
-            is_new = self._told == self._wanted
+            # A message on its way would move the robot once more.
+            is_new = self._reported_by == self._wanted
             return is_new and not report.moving and report.received >= arrived
 
         report = self._wait_for(stands)
         took = time.monotonic() - began
         if report is None or not stands(report):
-            words = LinkText.NOT_SEEN_STANDING()
-            self._show_link(replace(self._status, stop=words))
+            self._show_link(replace(self._status, stop=LinkText.NOT_SEEN_STANDING()))
         else:
             words = LinkText.STANDS_AFTER(took=took)
             self._show_link(replace(self._status, stopped=took, stop=words))
@@ -305,7 +305,7 @@ class LinkRunner:
         if self._report is not None:
             return
         if status.phase == "closed":
-            # From now on nobody reports where the robot is moved to.
+            # Nobody reports joints any more.
             self._show(joints={}, robot=None)
         elif status.joints:
             words = LinkText.PHASE(
@@ -314,21 +314,21 @@ class LinkRunner:
             self._show(joints=self._by_joint(status.joints), robot=words)
 
     def _explain(self, fault: Message) -> Message:
-        """A fault of the link with what the controller says about it, if it does."""
+        """A fault of the link together with the controller's own message, if there is one."""
         report = self._wait_for(lambda report: report.fault != "")
         if report is None or not report.fault:
             return fault
         return LinkText.CONTROLLER_SAYS(fault=fault, report=report.fault)
 
     def _placed_since(self, before: RobotState | None, messages: int) -> int:
-        """Parts put down since a report, as reported once that many messages have arrived."""
+        """Parts placed since a report, read once the controller has received that many messages."""
         if before is None:
             return 0
         after = self._wait_for(lambda report: report.received - before.received >= messages)
         return 0 if after is None else max(0, after.placed - before.placed)
 
     def _wait_for(self, condition: Callable[[RobotState], bool]) -> RobotState | None:
-        """The newest report, waiting a little for one that fulfils the condition."""
+        """The newest report, after a short wait for a report that fulfils the condition."""
         with self._reports:
             self._reports.wait_for(
                 lambda: self._report is None or condition(self._report), self._patience.report
@@ -358,7 +358,7 @@ class LinkRunner:
 
     def _take(self, report: RobotState | None, count: int) -> None:
         with self._reports:
-            before, self._report, self._told = self._report, report, count
+            before, self._report, self._reported_by = self._report, report, count
             self._reports.notify_all()
         if report is not None:
             self._compare(report)
@@ -367,13 +367,13 @@ class LinkRunner:
             self._show(joints={}, robot=None)
 
     def _doubt(self, why: Message) -> None:
-        """A robot of which nonsense is reported goes on with no plan."""
+        """Stop the current plan because a report makes no sense."""
         run = self._active
         if run is not None and not run.doubt:
             run.doubted_at, run.doubt = self._patience.clock(), why
 
     def _compare(self, report: RobotState) -> None:
-        """Whether a report fits what was sent; if not, the sending is to stop."""
+        """Stop the sending if a report contradicts it: a new fault, or another arm moves."""
         run = self._watched
         if run is None or run.doubt:
             return

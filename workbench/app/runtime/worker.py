@@ -1,8 +1,8 @@
-"""The worker's side of a job: what runs in the process of its own, and what it says.
+"""The worker process: it runs the jobs, and reports their progress and results.
 
 A job function takes the cell, its arguments, `report` and `cancelled`.  `report(done, note)`
-reports the share done (0..1) and what is being done; it may be called as often as one likes.
-`cancelled()` is True once somebody has ended the job; the function then raises `JobCancelled`.
+reports the share done (0..1) and the current activity, with any frequency.  `cancelled()` is True
+after a cancellation; the function then raises `JobCancelled`.
 """
 
 import contextlib
@@ -32,14 +32,14 @@ REPORT_EVERY = 0.05
 
 
 class Flag(Protocol):
-    """A number in shared memory without a lock, which a killed process could leave locked."""
+    """A number in shared memory without a lock: a killed process could leave a lock locked."""
 
     value: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Request:
-    """Run this job on a cell, which is packed."""
+    """Request for a job on a packed cell."""
 
     number: int
     name: str
@@ -49,11 +49,13 @@ class Request:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Question:
-    """Something to be worked out between jobs, soon or not at all; nothing of it is on record.
+    """A job that is computed between the others and not recorded, or never begins.
 
-    `asker` names who asks: what they ask next takes the place of what has not begun.  `name` and
-    `arguments` are those of a job.  `answered` gets the result, or the `WorkbenchError` that
-    ended it, by one thread of the owner; a question that a newer one has replaced never is.
+    Attributes:
+        asker: identifies who asks; the asker's next question replaces this one if it still waits.
+        name, arguments: those of a job.
+        answered: receives the result, or the `WorkbenchError` that ended the computation, in a
+            thread of the owner; it is never called for a replaced question.
     """
 
     asker: int
@@ -64,9 +66,9 @@ class Question:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GettingReady:
-    """Everything is imported, and something has to be done once before the first job begins.
+    """Progress of the work before the first job, when everything is imported.
 
-    `done` (0..1) is the share done, `note` what is being done, for people.
+    `done` (0..1) is the share done, `note` the current activity, for people.
     """
 
     done: float
@@ -75,12 +77,12 @@ class GettingReady:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ready:
-    """Requests are welcome."""
+    """The worker accepts requests."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Unable:
-    """The worker cannot be made ready and ends."""
+    """The worker cannot get ready and ends."""
 
     error: WorkbenchError
     trace: str
@@ -88,7 +90,7 @@ class Unable:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Progress:
-    """How far a job is."""
+    """Progress of a job."""
 
     number: int
     done: float
@@ -105,7 +107,7 @@ class Success:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Failure:
-    """What ended a job; `trace` is for the log, and empty for errors made on purpose."""
+    """The error that ended a job; `trace` is for the log, and empty for expected errors."""
 
     number: int
     error: WorkbenchError
@@ -116,30 +118,30 @@ Message = GettingReady | Ready | Unable | Progress | Success | Failure
 
 
 Parts = tuple[bytes | memoryview, ...]
-"""A message as it goes to the other process: itself, then its large arrays as they lie in memory.
+"""A packed message for the other process, followed by the memory of its large arrays.
 
-While Python copies bytes no other thread runs, and a scan has a hundred million of them.
+Python runs no other thread while it copies bytes, and a scan has a hundred million of them.
 """
 
 LARGE = 2**16
-"""[bytes] Arrays with more are not copied."""
+"""[bytes] Larger arrays are not copied."""
 
 
 def pack_cell(cell: Cell) -> bytes:
-    """Bytes of a cell for the other process.
+    """A packed cell for the other process.
 
-    Protocol 5 brings read-only arrays back as read-only ones; the older default does not.
+    Pickle's protocol 5 keeps read-only arrays read-only; the older default does not.
     """
     return pickle.dumps(cell, protocol=5)
 
 
 def in_parts(message: Message | Request) -> Parts:
-    """A message for the other process, which brings read-only arrays back as read-only ones."""
+    """A packed message for the other process; read-only arrays stay read-only."""
     large: list[memoryview] = []
 
     def stays_inside(buffer: pickle.PickleBuffer) -> bool:
         block = buffer.raw()
-        # What may be written to has to come back so.
+        # A writable array stays inside, so that it comes back writable.
         if not block.readonly or block.nbytes < LARGE:
             return True
         large.append(block)
@@ -164,7 +166,7 @@ def receive(connection: Connection) -> Any:
 
     Raises:
         EOFError, OSError: the other process has ended.
-        Exception: whatever unpacking raises; the message after it can be received.
+        Exception: whatever unpacking raises; the next message can still be received.
     """
     count = int.from_bytes(connection.recv_bytes(), "big")
     head, *large = (connection.recv_bytes() for _ in range(count + 1))
@@ -172,23 +174,23 @@ def receive(connection: Connection) -> Any:
 
 
 def run_worker(connection: Connection, module: str, to_cancel: Flag) -> None:
-    """The worker process: get everything ready, then answer requests until the other side ends.
+    """The main function of the worker process: get ready, then answer requests.
 
     Args:
-        connection: to the process that started this one.
-        module: its `JOBS` maps names to job functions; importing it imports what they need.  Its
-            `GET_READY`, if there is one, is called with `report` before the first job.
-        to_cancel: number of the job that somebody has ended.
+        connection: to the parent process; the worker ends when it is closed.
+        module: its `JOBS` maps names to job functions; its import loads the libraries.  `GET_READY`
+            of it, if there is one, is called with `report` before the first job.
+        to_cancel: number of the cancelled job.
     """
-    # Ctrl-C in a terminal reaches the whole group; the other process decides what it means.
+    # Ctrl-C in a terminal reaches both processes; the parent decides what happens.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, name="end with parent", daemon=True).start()
     try:
-        # The other side closes the connection: that is how a worker's life ends.
+        # The parent ends a worker by closing the connection.
         with contextlib.suppress(EOFError, OSError):
             _serve(connection, module, to_cancel)
     finally:
-        # Straight out: libraries with C++ destructors have nothing to say here any more.
+        # At once, without the destructors of C++ libraries.
         os._exit(0)
 
 
@@ -204,7 +206,7 @@ def _serve(connection: Connection, module: str, to_cancel: Flag) -> None:
         send(connection, in_parts(Unable(problem, traceback.format_exc())))
         return
     send(connection, in_parts(Ready()))
-    # Whatever is kept for a cell, such as its shapes, is kept for this very object.
+    # Caches, such as that of the shapes, belong to this very object.
     cell, unpacked = b"", None
     while True:
         request: Request = receive(connection)

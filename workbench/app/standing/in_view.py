@@ -10,6 +10,7 @@ from workbench.model.cell import Cell
 from workbench.model.derived.assembling import bases_to_see, standing_parts
 from workbench.model.derived.by_recipe import with_recipe
 from workbench.model.derived.scanner_poses import scanner_pose
+from workbench.model.geometry import transform
 from workbench.model.scan import Detection
 from workbench.perception.views.camera import Pinhole
 from workbench.proof.claims.places.layers import kept_box
@@ -61,7 +62,7 @@ def _is_in_picture(cell: Cell, stands: Detection, T_world_scanner: pin.SE3) -> b
     mount, camera = cell.scanner, Pinhole.of_scanner(cell.scanner)
     points = cell.part(stands.part).mesh.points
     T = T_world_scanner.actInv(stands.T_world_part)
-    x, y, z = (points @ T.rotation.T + T.translation).T
+    x, y, z = transform(T, points).T
     if z.min() < mount.near or z.max() > mount.far:
         return False
     pixels = np.stack([x / z, y / z], axis=1) * camera.focal + camera.centre

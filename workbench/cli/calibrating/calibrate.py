@@ -103,11 +103,7 @@ def calibrate(typed: arguments.Calibrate) -> int:
         if typed.simulate:
             off = _true_pose(cell).actInv(calibration.T_world_scanner)
             print(f"off the truth of this simulation: {words_of_motion(off)}")
-    if typed.save:
-        _save(typed, cell, calibration)
-    if typed.write is not None:
-        _write(typed, cell, calibration)
-    return SUCCESS
+    return _store(typed, cell, calibration)
 
 
 def _by_pairs(typed: arguments.Calibrate, cell: Cell) -> int:
@@ -122,21 +118,21 @@ def _by_pairs(typed: arguments.Calibrate, cell: Cell) -> int:
     if typed.save and typed.in_hand and carrier is None:
         raise InputError("--save with --in-hand needs [scanner.on_arm] in the cell file")
     calibration = calibrate_by_pairs(typed, cell)
+    return _store(typed, cell, calibration)
+
+
+def _store(typed: arguments.Calibrate, cell: Cell, calibration: Calibration) -> int:
+    """Save the calibration into the cell file, and write it for another program, if asked to."""
     if typed.save:
         _save(typed, cell, calibration)
     if typed.write is not None:
-        _write(typed, cell, calibration)
+        in_hand = typed.in_hand or cell.scanner.on_arm is not None
+        T_world_base = hand_at_view(cell) if in_hand else cell.T_world_robot
+        T = T_world_base.actInv(calibration.T_world_scanner)
+        write_scanner_pose(typed.write, T, typed.style, in_hand=in_hand)
+        if not typed.json:
+            print(f"written to {typed.write}")
     return SUCCESS
-
-
-def _write(typed: arguments.Calibrate, cell: Cell, calibration: Calibration) -> None:
-    in_hand = typed.in_hand or cell.scanner.on_arm is not None
-    T_world_base = hand_at_view(cell) if in_hand else cell.T_world_robot
-    T = T_world_base.actInv(calibration.T_world_scanner)
-    assert typed.write is not None
-    write_scanner_pose(typed.write, T, typed.style, in_hand=in_hand)
-    if not typed.json:
-        print(f"written to {typed.write}")
 
 
 def _true_pose(cell: Cell) -> pin.SE3:

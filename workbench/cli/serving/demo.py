@@ -1,6 +1,7 @@
 """`workbench demo`: whole cycles through the same bench as the page, against a controller."""
 
 import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -37,8 +38,9 @@ from workbench.cli.terminal import (
     progress,
 )
 from workbench.formats.cells.reading import read_cell
+from workbench.model.cell import Cell
 from workbench.model.errors import LinkError, WorkbenchError
-from workbench.model.plan import Plan
+from workbench.model.messages.message import Message
 from workbench.plugins.progress import Report
 from workbench.plugins.robot_link import link_named
 
@@ -156,7 +158,7 @@ class Cycle:
         plan, proof = state.plan, state.proof
         if plan is None or proof is None or not proof.holds:
             raise NoPlan(str(state.message))
-        self._see_it_at_the_start(plan)
+        self._wait_while(lambda cell, joints: moved_away(cell, plan, joints))
         # Nobody looks: the record says who has let this plan out, a demonstration.
         row = tuple(proven_plan.plan.digest for proven_plan in state.row)
         self._bench.do(WatchPlan(plan.digest, is_reported=True, row=row), ACTOR)
@@ -174,7 +176,7 @@ class Cycle:
 
     def _plan(self, seed: int) -> State:
         """The state with what planning has brought for a new pile."""
-        self._see_it_at_the_view()
+        self._wait_while(view_problem)
         self._stage("scan", TakeScan(seed, DEMO_PARTS), Phase.SCANNED)
         state = self._stage("find parts", FindParts(seed), Phase.SCANNED, Phase.LOCALIZED)
         if not state.detections:
@@ -182,22 +184,14 @@ class Cycle:
         wanted = MakePlan("", None, seed)
         return self._stage("plan", wanted, Phase.LOCALIZED, Phase.PLANNED)
 
-    def _see_it_at_the_start(self, plan: Plan) -> None:
-        """Wait for the report that the robot has come back: it is reported after the plan's end.
+    def _wait_while(self, problem: Callable[[Cell, Mapping[str, float]], Message | None]) -> None:
+        """Wait until the reported joints have no such problem, at most `REPORTED` seconds.
 
-        Where it really stands elsewhere the approval is refused, and says by how much.
+        The controller reports the robot's rest after the end of a plan.  A problem that stays is
+        refused by the next command, which states the distance.
         """
         cell, until = self._bench.state.cell, time.monotonic() + REPORTED
-        while moved_away(cell, plan, self._bench.live.joints) and time.monotonic() < until:
-            time.sleep(PROGRESS_EVERY / 10)
-
-    def _see_it_at_the_view(self) -> None:
-        """Wait for the report that an arm with a scanner stands where it scans.
-
-        Where it really stands elsewhere the scan is refused, and says by how much.
-        """
-        cell, until = self._bench.state.cell, time.monotonic() + REPORTED
-        while view_problem(cell, self._bench.live.joints) and time.monotonic() < until:
+        while problem(cell, self._bench.live.joints) and time.monotonic() < until:
             time.sleep(PROGRESS_EVERY / 10)
 
     def _reports_parts(self, state: State) -> bool:

@@ -1,6 +1,7 @@
-"""OPC UA and Modbus for a bench, where somebody has asked for them."""
+"""OPC UA and Modbus servers for a bench."""
 
 from contextlib import AbstractContextManager, nullcontext
+from typing import Literal
 
 from workbench.app.runtime.bench import Bench
 from workbench.cli.arguments.serving import Serve
@@ -8,30 +9,17 @@ from workbench.cli.terminal import check_whole
 from workbench.plugins.extras import from_extra
 
 
-def plc(bench: Bench, typed: Serve) -> AbstractContextManager[None]:
-    """Serve OPC UA as long as the block runs, if a port was typed for it.
+def serve_plc(
+    extra: Literal["opcua", "modbus"], bench: Bench, typed: Serve
+) -> AbstractContextManager[None]:
+    """Serve a PLC as long as the block runs, if its port was typed.
 
     Raises:
-        InputError: the library is missing, the address cannot be had, or others could come without
-            a password.
+        InputError: the library is missing, the address is not available, or the options admit
+            clients without a password (OPC UA) or a stated address (Modbus).
         FileError: the certificate or its key cannot be read.
     """
-    return _serving("opcua", typed.opcua, bench, typed)
-
-
-def modbus(bench: Bench, typed: Serve) -> AbstractContextManager[None]:
-    """Serve Modbus as long as the block runs, if a port was typed for it.
-
-    Raises:
-        InputError: the library is missing, the address cannot be had, or it is not stated who may
-            connect.
-    """
-    return _serving("modbus", typed.modbus, bench, typed)
-
-
-def _serving(
-    extra: str, port: int | None, bench: Bench, typed: Serve
-) -> AbstractContextManager[None]:
+    port: int | None = getattr(typed, extra)
     if port is None:
         return nullcontext()
     check_whole(f"--{extra}", port, 1, 65535)

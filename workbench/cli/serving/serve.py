@@ -22,7 +22,7 @@ from workbench.cli.serving.front import front_options, serve_with_front, wait_fo
 from workbench.cli.serving.logs import begin_log
 from workbench.cli.serving.open_session import look_at
 from workbench.cli.serving.people import roles
-from workbench.cli.serving.plc import modbus, plc
+from workbench.cli.serving.plc import serve_plc
 from workbench.cli.serving.simulation import simulated_controller
 from workbench.cli.terminal import progress
 from workbench.formats.cells.predictions import predictions_path, read_predictions
@@ -79,8 +79,8 @@ def serve(typed: Serve) -> int:
         stack.callback(CellWatch(path, bench).close)
         stack.callback(PosesWatch(bench).close)
         stack.callback(Anchors(bench, places, time.time).close)
-        stack.enter_context(plc(bench, typed))
-        stack.enter_context(modbus(bench, typed))
+        stack.enter_context(serve_plc("opcua", bench, typed))
+        stack.enter_context(serve_plc("modbus", bench, typed))
         stack.enter_context(robot_jobs(bench))
         page = serve_with_front(
             bench,

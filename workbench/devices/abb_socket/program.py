@@ -14,15 +14,15 @@ import numpy as np
 
 from workbench.devices.abb_loads import LoadData, load_data
 from workbench.devices.abb_socket.messages import check_limits, in_degrees
+from workbench.devices.legs import HandAction, hand_before, segment_seconds
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, frozen, put
-from workbench.model.motion import DROP_LEGS
 from workbench.model.plan import Guarantee, Leg, LegName, Plan, Step, are_in_step
 from workbench.model.release import Approval
 
 Mode = Literal["alone", "free", "sync"]
-Hand = Literal["open", "grip", "keep", "uncouple", "couple"]
+Hand = Literal[HandAction, "uncouple", "couple"]
 LoadOf = Literal["tool", "part", "next"]
 """Of the tool, the part that it takes, or the tool that it is changed for."""
 
@@ -152,42 +152,18 @@ def _step(cell: Cell, plan: Plan, step: Step, before: dict[str, Leg], share: flo
     legs = [plan.arm(name).leg(leg_name) for name, leg_name in step.runs]
     is_sync = plan.guarantee is Guarantee.SYNCHRONISED and len(legs) == 2 and are_in_step(legs)
     times = [
-        _seconds(cell, name, leg, share) for (name, _), leg in zip(step.runs, legs, strict=True)
+        segment_seconds(cell, name, leg, share)
+        for (name, _), leg in zip(step.runs, legs, strict=True)
     ]
     if is_sync:
         times = [np.maximum(*times)] * 2
     said: list[ProgramLeg] = []
     for (name, leg_name), leg, seconds in zip(step.runs, legs, times, strict=True):
-        hand, zone = _hand(leg, before.get(name)), cell.zone
-        said.append(ProgramLeg(name, leg_name, zone, hand, leg.opening, leg.q, seconds))
+        hand = COUPLING.get(leg_name) or hand_before(leg, before.get(name))
+        said.append(ProgramLeg(name, leg_name, cell.zone, hand, leg.opening, leg.q, seconds))
         before[name] = leg
     mode: Mode = "alone" if len(said) == 1 else "sync" if is_sync else "free"
     return ProgramStep(mode, tuple(said))
-
-
-def _seconds(cell: Cell, arm: str, leg: Leg, share: float) -> Floats:
-    """Times (m,) [s] from each waypoint to the next, whole milliseconds, never less than planned.
-
-    Nor less than a joint takes from one to the other at its allowed speed: a rounded corner is
-    shorter than the way to it and back, and the plan has timed that; a controller goes by the way.
-    """
-    speeds = cell.robot.limits(cell.arm(arm).joints)[2] * cell.policy.speed
-    least = (np.abs(np.diff(leg.q, axis=0)) / speeds).max(axis=1)
-    seconds = np.maximum(np.diff(leg.t), least) / share
-    return np.maximum(np.ceil(seconds * 1000 - 1e-6), 1) / 1000
-
-
-def _hand(leg: Leg, before: Leg | None) -> Hand:
-    if leg.name in COUPLING:
-        return COUPLING[leg.name]
-    if leg.holding:
-        if before is None and leg.name in DROP_LEGS:
-            # The hand holds already what it is to drop.
-            return "keep"
-        return "keep" if before is not None and before.holding else "grip"
-    if before is None or before.holding or before.opening != leg.opening:
-        return "open"
-    return "keep"
 
 
 def lines_of(cell: Cell, program: SocketProgram) -> tuple[ProgramLine, ...]:

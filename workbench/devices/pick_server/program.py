@@ -2,10 +2,10 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
+from workbench.devices.legs import HandAction, hand_before, segment_seconds
 from workbench.devices.pick_server.axes import AxisWords
 from workbench.devices.pick_server.lines import LAST, answer_bytes
 from workbench.model.cell import Cell
@@ -13,11 +13,8 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.load import Loads
 from workbench.model.messages.work import AskText
-from workbench.model.motion import DROP_LEGS
 from workbench.model.plan import Leg, LegName, Plan
 from workbench.model.release import Approval
-
-Hand = Literal["open", "grip", "keep"]
 
 LONGEST_SEGMENT = 99.999
 """[s] From one waypoint to the next."""
@@ -37,7 +34,7 @@ class AskedLeg:
     """
 
     name: LegName
-    hand: Hand
+    hand: HandAction
     words: tuple[str, ...]
     points: tuple[tuple[str, ...], ...]
     q_end: Floats
@@ -89,26 +86,19 @@ def program_of(cell: Cell, plan: Plan, approval: Approval, axes: AxisWords) -> A
     except InputError as error:
         raise InputError(AskText.NOT_PROVEN(problem=error.message)) from error
     ticket = approval.digest[:TICKET]
-    return AskedProgram(arm_plan.arm, arm_plan.detection, ticket, _start(plan), tuple(legs))
-
-
-def _start(plan: Plan) -> Floats:
-    """Where (n,) [rad, m] a plan of one arm begins."""
-    return np.asarray(plan.arms[0].legs[0].q[0])
+    return AskedProgram(
+        arm_plan.arm, arm_plan.detection, ticket, np.asarray(arm_plan.legs[0].q[0]), tuple(legs)
+    )
 
 
 def _leg(
     cell: Cell, plan: Plan, leg: Leg, before: Leg | None, axes: AxisWords, share: float
 ) -> AskedLeg:
     _, _, fastest = cell.robot.limits(cell.arms[0].joints)
-    ways = np.abs(np.diff(leg.q, axis=0))
-    least = (ways / (fastest * cell.policy.speed)).max(axis=1)
-    # Never less than planned, nor than a joint takes at its allowed speed.
-    seconds = np.ceil(np.maximum(np.diff(leg.t), least) / share * 1000 - 1e-6) / 1000
-    seconds = np.maximum(seconds, 0.001)
+    seconds = segment_seconds(cell, cell.arms[0].name, leg, share)
     if seconds.max() > LONGEST_SEGMENT:
         raise InputError(f"{seconds.max():.0f} s from one waypoint to the next are too long")
-    speeds = (ways / fastest).max(axis=1) / seconds * 100
+    speeds = (np.abs(np.diff(leg.q, axis=0)) / fastest).max(axis=1) / seconds * 100
     blend = f"{cell.zone * 100:.0f}"
     points: list[tuple[str, ...]] = []
     for k, (q, takes, speed) in enumerate(zip(leg.q[1:], seconds, speeds, strict=True), start=1):
@@ -118,7 +108,7 @@ def _leg(
         words = ("TO", *axes.words(q), f"{percent:.1f}", f"{takes:.3f}", corner)
         answer_bytes(axes.form, LAST, *words)
         points.append(words)
-    hand = _hand(leg, before)
+    hand = hand_before(leg, before)
     load = load_words(plan.arms[0].loads, leg.holding)
     words = ("LEG", leg.name, hand, f"{leg.opening * 1000:.1f}", str(len(points)))
     words = (*words, f"{seconds.sum():.3f}", *load)
@@ -135,18 +125,6 @@ def load_words(loads: Loads | None, holding: bool) -> tuple[str, ...]:
     carried = loads.carried(holding)
     centre = np.round(carried.centre * 1000, 1) + 0.0
     return (f"{carried.mass:.3f}", *(f"{value:.1f}" for value in centre))
-
-
-def _hand(leg: Leg, before: Leg | None) -> Hand:
-    """What the hand does before a leg."""
-    if leg.holding:
-        if before is None and leg.name in DROP_LEGS:
-            # The hand holds already what it is to drop.
-            return "keep"
-        return "keep" if before is not None and before.holding else "grip"
-    if before is None or before.holding or before.opening != leg.opening:
-        return "open"
-    return "keep"
 
 
 def check_lines(cell: Cell, axes: AxisWords) -> None:

@@ -4,7 +4,7 @@ import logging
 import math
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -116,7 +116,8 @@ class RapidController:
         self._orders: list[tuple[Callable[[], None], threading.Event]] = []
         self._stopped_since: float | None = None
         self._held, self._warned = 0, ""
-        self.signals = Signals(made={n: self._output(*w) for n, w in _low(setup.outputs)})
+        outputs = setup.outputs.items()
+        self.signals = Signals(made={name.lower(): self._output(*words) for name, words in outputs})
         self.tasks = {name: Task(name, clock, self.covered) for name in setup.tasks}
         self.mechanisms = {
             name: Mechanism(name, Axes(cell, cell.arm(task.arm)))
@@ -332,7 +333,3 @@ MAKERS: dict[str, Callable[[str], Any]] = {
     "syncident": lambda name: name,
     "iodev": lambda name: None,
 }
-
-
-def _low(outputs: Mapping[str, tuple[str, ...]]) -> list[tuple[str, tuple[str, ...]]]:
-    return [(name.lower(), words) for name, words in outputs.items()]

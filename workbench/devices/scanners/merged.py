@@ -18,7 +18,7 @@ from workbench.formats.clouds.scans import MOST_POINTS
 from workbench.formats.files.toml_keys import read_toml
 from workbench.model.cell import Cell, ScannerMount
 from workbench.model.errors import FileError, InputError, JobCancelled, LinkError
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, transform
 from workbench.model.messages.devices import ScannerText
 from workbench.model.messages.message import Message
 from workbench.model.messages.work import CancelText
@@ -78,7 +78,7 @@ class MergedScanner:
             if cancelled():
                 raise JobCancelled(CancelText.SCAN())
             T = self._mount.T_world_scanner.actInv(scan.T_world_scanner)
-            clouds.append(scan.points @ T.rotation.T + T.translation)
+            clouds.append(transform(T, scan.points))
             colours.append(scan.colours)
             notes.append(f"{len(scan.points):,} of {view.file.name}")
         points = np.concatenate(clouds)

@@ -98,7 +98,6 @@ class UrRtde:
 
     def _settings(self, options: Any, silence: float, approval: Approval) -> ProgramSettings:
         """What a program takes from the link's `Options`."""
-        del approval
         hand = options.gripper_output, options.grip_s
         return ProgramSettings(*hand, silence, sends_inertia=options.payload_inertia)
 

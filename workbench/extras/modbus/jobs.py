@@ -1,7 +1,7 @@
-"""What a PLC may ask for: a number a job, and what came of the last one.
+"""Commands of a PLC by their numbers, and the result of the last one.
 
-Approvals and acknowledgements of faults are not here: they are a person's act by a login, and
-Modbus has no logins.
+A PLC neither approves plans nor acknowledges faults: a person does, by a login, and Modbus has no
+logins.
 """
 
 import logging
@@ -44,7 +44,7 @@ log = logging.getLogger(__name__)
 
 
 class Answer(IntEnum):
-    """How the last command stands."""
+    """The progress of the last command."""
 
     NONE = 0
     RUNNING = 1
@@ -53,7 +53,7 @@ class Answer(IntEnum):
 
 
 class Error(IntEnum):
-    """Why it was not done."""
+    """Why the last command was not carried out."""
 
     NONE = 0
     COMMAND = 1
@@ -67,9 +67,9 @@ class Error(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """A command by its number: `make` makes it of two arguments, None where they are wrong.
+    """A command: `make` makes it from the state and two arguments; None: they are wrong.
 
-    `brings` is the field of the state that its task renews; empty where the job is done at once.
+    `brings` is the field of the state that its task renews; empty: the command starts no task.
     """
 
     make: Callable[[State, int, int], Command | None]
@@ -144,12 +144,12 @@ JOBS: Mapping[int, Job] = {
     23: _plain(TakeControl),
     24: _plain(ReleaseControl),
 }
-"""Numbers below 12 are those of the pick server's jobs."""
+"""The pick server uses the same numbers below 12."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """The last command: its counter and number, how it stands, and why it was not done."""
+    """The last command: its counter, its number, its progress and its error."""
 
     counter: int = 0
     command: int = 0
@@ -159,26 +159,26 @@ class Answered:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Awaited:
-    """What a task brings, and the state before it began."""
+    """The field that a running task renews, and the state before the task."""
 
     brings: str
     before: State
 
     def is_in(self, state: State) -> bool:
-        """Whether a state has it anew."""
+        """Whether a state has a new value of the field."""
         found = getattr(state, self.brings)
         is_new = bool(found) and found is not getattr(self.before, self.brings)
         return is_new and state.phase in (Phase.SCANNED, Phase.LOCALIZED, Phase.PLANNED)
 
 
 class Jobs:
-    """Gives a bench the commands of a PLC, each counter once.
+    """Gives the commands of a PLC to the bench, each counter once.
 
-    Lifetime: until `close`.  Concurrency: any thread.
+    Lifetime: from construction until `close`.  Concurrency: any thread.
     """
 
     def __init__(self, bench: Bench) -> None:
-        """Nothing was asked for; the session is drawn by lot."""
+        """Start without a command; the number of the session is random."""
         self.session = secrets.randbelow(HIGHEST_VALUE) + 1
         self.answered = Answered()
         self._given: tuple[int, ...] = ()
@@ -187,7 +187,7 @@ class Jobs:
         self.close = bench.subscribe(lambda _old, _new: self._look())
 
     def values(self) -> dict[int, int]:
-        """What the registers of the handshake say."""
+        """The values of the handshake's registers."""
         last = self.answered
         return {
             Register.VERSION: MAP_VERSION,
@@ -200,10 +200,10 @@ class Jobs:
         }
 
     def give(self, words: Sequence[int]) -> bool:
-        """Give a command; one that was given already changes nothing.
+        """Carry out a command; a repetition of the last one changes nothing.
 
         Returns:
-            Whether the words name this session, and the next counter; or they are the last ones.
+            Whether the words name this session and the next counter, or repeat the last words.
         """
         _, number, first, second, counter = words
         with self._lock:
@@ -211,7 +211,7 @@ class Jobs:
                 return False
             last = self.answered.counter
             if counter != last % HIGHEST_VALUE + 1:
-                # Two programs that count alike would each take the other's answer for theirs.
+                # With equal counters two programs would each take the other's answer.
                 return counter == last and tuple(words) == self._given
             self._waits, self._given = None, tuple(words)
             self.answered = Answered(counter, number, Answer.RUNNING)
@@ -226,7 +226,7 @@ class Jobs:
                 self._waits = Awaited(brings, before)
             else:
                 self.answered = replace(self.answered, answer=Answer.DONE)
-        # The task may have ended before anybody waited for it.
+        # The task may have ended already.
         self._look()
         return True
 
@@ -242,15 +242,15 @@ class Jobs:
             log.info("refused the command %d over Modbus: %s", number, error)
             return _why(self._bench.state)
         except Exception:
-            # A rim: what goes wrong with one command ends no other.
+            # A rim: the failure of one command must not end the server.
             log.exception("the command %d over Modbus failed", number)
             return Error.INTERNAL
         return Error.NONE
 
     def _look(self) -> None:
-        """Note the end of the task that the last command has begun."""
+        """Note the end of the task of the last command."""
         with self._lock:
-            # An observer may be given a state from before the command.
+            # The observer's state may be older than the command.
             state = self._bench.state
             if self._waits is None or state.job is not None or state.ahead is not None:
                 return

@@ -26,16 +26,16 @@ from workbench.model.errors import InputError
 log = logging.getLogger(__name__)
 
 MOST_CLIENTS = 8
-"""Connections at the same time; a PLC has one."""
+"""Largest number of connections; a PLC has one."""
 
 SILENCE = 60.0
-"""[s] After which a connection without a request is dropped."""
+"""[s] A connection without a request for longer is closed."""
 
 FRAME = 5.0
-"""[s] That the rest of a request, or taking its answer, may last."""
+"""[s] Longest time for the rest of a request, and for the client to take the answer."""
 
 PAUSE = 0.005
-"""[s] After each answer, so that nobody keeps this process busy."""
+"""[s] Pause after each answer, so that no client keeps the process busy."""
 
 FUNCTIONS = (3, 6, 16, 23)
 """Read registers, write one, write several, write and read."""
@@ -44,17 +44,17 @@ HEADER = struct.Struct(">HHHB")
 """Transaction, protocol, length of what follows, unit (MODBUS Messaging on TCP/IP, 3.1.3)."""
 
 LONGEST_FRAME = 254
-"""Of this length."""
+"""[bytes] Largest length in a header."""
 
 STARTING = 60.0
-"""[s] After which a server that has not begun, or ended, does not any more."""
+"""[s] Longest time for the start and for the end of the server."""
 
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
 
 @dataclass(frozen=True, slots=True)
 class ModbusOptions:
-    """Where to listen, and the addresses that may connect; on this machine all of it may."""
+    """Where to listen, and the client addresses; empty: only this machine may connect."""
 
     port: int
     host: str = "127.0.0.1"
@@ -63,9 +63,9 @@ class ModbusOptions:
 
 @dataclass(eq=False, slots=True)
 class Exchange:
-    """One connection: what it has written, and the registers as it reads them.
+    """One connection: the registers that it has written, and the registers that it reads.
 
-    `heard`: whether it has ever asked, and when it was heard last [s].
+    `heard`: whether it has sent a request, and the time of the last one [s].
     """
 
     bench: Bench
@@ -87,7 +87,7 @@ class Exchange:
     async def async_setValues(
         self, unit: int, function: int, address: int, values: Sequence[int]
     ) -> ExcCodes | None:
-        """Take what is written; with the counter the command is given."""
+        """Write registers; the one with the counter starts the command."""
         end = address + len(values)
         if end > WRITTEN:
             return ExcCodes.ILLEGAL_ADDRESS
@@ -103,16 +103,16 @@ class Exchange:
 class ModbusServer:
     """A server for a bench.
 
-    Lifetime: from construction, which returns when clients can come, until `close`.
+    Lifetime: from construction, which returns when clients can connect, until `close`.
 
-    Concurrency: an event loop in a thread of its own; commands are given from other threads.
+    Concurrency: the server has a thread with an event loop; other threads carry out commands.
     """
 
     def __init__(self, bench: Bench, options: ModbusOptions):
         """Listen.
 
         Raises:
-            InputError: the address cannot be had, or it is not stated who may connect.
+            InputError: the address is not available, or no client address is stated.
         """
         self._clients = _check(options)
         self._bench, self._decoder = bench, DecodePDU(True)
@@ -132,11 +132,11 @@ class ModbusServer:
 
     @property
     def address(self) -> tuple[str, int]:
-        """Where it listens, with the port that it has got."""
+        """The address and the port of the server."""
         return self._server.sockets[0].getsockname()[:2]
 
     def close(self) -> None:
-        """Cut clients off and stop listening."""
+        """Close all connections and stop listening."""
         self._wait(self._stop())
         self._end()
 
@@ -158,10 +158,10 @@ class ModbusServer:
         self._loop.close()
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """One connection until it ends; whoever sends what is no Modbus is cut off."""
+        """Serve one connection until its end; a client that sends no Modbus is disconnected."""
         peer = writer.get_extra_info("peername")
         if not peer or not self._is_stated(_address(peer[0])):
-            # Nobody is there any more, or may be.
+            # The client has gone, or may not connect.
             log.warning("refused a connection over Modbus from %s: not stated", peer)
             writer.transport.abort()
             return
@@ -186,7 +186,7 @@ class ModbusServer:
     async def _answer(
         self, exchange: Exchange, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> bool:
-        """Answer one request; False where what came is none."""
+        """Answer one request; False: the bytes are no Modbus."""
         async with asyncio.timeout(SILENCE):
             header = await reader.readexactly(HEADER.size)
         transaction, protocol, length, unit = HEADER.unpack(header)
@@ -210,21 +210,21 @@ class ModbusServer:
         request = self._decoder.decode(body)
         if request is None:
             return ExceptionResponse(function, ExcCodes.ILLEGAL_VALUE)
-        context: Any = exchange  # what of it is called here has the names of the library's own
+        context: Any = exchange  # it has the two methods that the library calls
         return await request.datastore_update(context, unit)
 
 
 def _address(text: str) -> Address:
-    """An address without its zone, of IPv4 where it stands for one."""
+    """An address without its zone; the IPv4 address if it is a mapped one."""
     found = ipaddress.ip_address(text.partition("%")[0])
     return (isinstance(found, ipaddress.IPv6Address) and found.ipv4_mapped) or found
 
 
 def _check(options: ModbusOptions) -> frozenset[Address]:
-    """The addresses that may connect; none where all of this machine may.
+    """The client addresses; empty: only this machine may connect.
 
     Raises:
-        InputError: the options do not state one address, or nobody who may connect.
+        InputError: the host or a client is no address, or no client is stated for another host.
     """
     try:
         host = _address(options.host)

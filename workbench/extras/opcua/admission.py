@@ -1,4 +1,4 @@
-"""Who is let in over OPC UA, and as whom they act."""
+"""Logins over OPC UA, and the person as which each client acts."""
 
 import hmac
 import logging
@@ -24,12 +24,12 @@ from workbench.web.access.users import Users
 log = logging.getLogger(__name__)
 
 LONGEST_WORD = 1000
-"""Characters of a name or a password."""
+"""Longest name or password [characters]."""
 
 
 @dataclass(frozen=True, slots=True)
 class OpcUaLogins:
-    """The users of the page, and what counts their failed logins."""
+    """The users of the page, and the counter of their failed logins."""
 
     users: Users
     lockout: Lockout
@@ -37,11 +37,14 @@ class OpcUaLogins:
 
 @dataclass(frozen=True, slots=True)
 class OpcUaOptions:
-    """Where to listen, and who calls; without a `password` only this machine may.
+    """Options of the server.
 
-    `certificates` is the folder of certificates, None: nothing is encrypted.  With it channels are
-    signed or encrypted, and `is_plain` says whether others are taken as well.  `logins` are
-    of the page's users, who may come over encrypted channels with their own names.
+    Attributes:
+        operator: the person as which a client without its own login acts.
+        password: password of the operator; empty: only clients on this machine, without one.
+        certificates: folder of certificates; None: no channel is signed or encrypted.
+        is_plain: whether to accept plain channels, too, when there are certificates.
+        logins: logins of the page's users, for encrypted channels; None: not accepted.
     """
 
     port: int
@@ -54,28 +57,28 @@ class OpcUaOptions:
 
     @property
     def takes_plain(self) -> bool:
-        """Whether channels without any protection are taken."""
+        """Whether the server accepts channels without protection."""
         return self.is_plain or self.certificates is None
 
 
 PERSON: ContextVar[Person | None] = ContextVar("opcua_person", default=None)
-"""Whoever has logged in last over the connection whose task this is."""
+"""The last login on the connection of the current task."""
 
 
 class Door(UserManager):
-    """Lets in whoever knows the password; everybody on this machine when there is none.
+    """Admits clients with the right password; without a password all clients on this machine.
 
-    After too many wrong ones nobody is let in for a while; who is in stays.  Users of the page are
-    counted with their logins there.
+    After too many wrong passwords it refuses new clients for a while.  Failed logins of the page's
+    users count together with those on the page.
     """
 
     def __init__(self, options: OpcUaOptions, now: Callable[[], float] = time.monotonic):
-        """Admission by these options; `now` returns a monotonic time [s]."""
+        """Admit clients by these options; `now` returns monotonic seconds."""
         self._options, self._now = options, now
         self._failed: deque[float] = deque(maxlen=MOST_FAILURES)
 
     def problem(self, certificate: bytes | None) -> str:
-        """Why no channel is opened for a certificate; "" when one is."""
+        """The problem of a certificate that prevents a channel; empty when there is none."""
         folder = self._options.certificates
         return "" if folder is None else problem(folder, certificate)
 
@@ -86,8 +89,7 @@ class Door(UserManager):
         password: str | None = None,
         certificate: Any = None,
     ) -> User | None:
-        """Whom the library lets in, None when nobody."""
-        del iserver, certificate
+        """The library's user for a login; None: the login is refused."""
         caller = CALLER.get(None)
         mode = ua.MessageSecurityMode.None_ if caller is None else caller.mode
         if mode == ua.MessageSecurityMode.None_ and not self._options.takes_plain:
@@ -105,7 +107,7 @@ class Door(UserManager):
         return User(role=UserRole.User, name=person.name)
 
     def is_still_in(self, person: Person) -> bool:
-        """Whether somebody who has logged in is still let in, with the same role."""
+        """Whether a person who has logged in may still call methods, with the same role."""
         logins = self._options.logins
         if person == self._options.operator or logins is None:
             return True
@@ -133,11 +135,11 @@ class Door(UserManager):
     def _operator(self, username: str | None, password: str | None) -> Person | None:
         operator, wanted = self._options.operator, self._options.password
         if not wanted:
-            # A name asks for more than everybody has: it is right, or nobody comes in by it.
+            # A login with a password is a page user's; a wrong one does not become the operator.
             is_named = self._options.logins is not None and bool(password)
             return operator if is_loopback(self._options.host) and not is_named else None
         if not (username and password):
-            # Programs that look around come like this: it is no try.
+            # Programs that browse servers connect without a name; this counts as no attempt.
             return None
         if len(self._failed) == MOST_FAILURES and self._now() - self._failed[0] < WHILE:
             return None

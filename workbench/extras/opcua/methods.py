@@ -4,9 +4,8 @@ Acknowledging a fault is a person's act: the role of the login that calls decide
 not here.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from asyncua import ua
 
@@ -47,10 +46,10 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """A command by its name; `make` makes it of the arguments."""
+    """A command by its name; `make` makes it of the arguments, in their order."""
 
     name: str
-    make: Callable[[Sequence[Any]], Command]
+    make: Callable[..., Command]
     arguments: tuple[Argument, ...] = ()
 
 
@@ -69,63 +68,59 @@ THRESHOLD = Argument(
 BIN = Argument("Bin", ua.VariantType.String, "one of the variable Bins")
 
 
+def _scan(seed: int, parts: int) -> TakeScan:
+    return TakeScan(seed, parts, stays=True)
+
+
 def _plan(seed: int, strategy: str, threshold: float) -> MakePlan:
     return MakePlan(strategy, None if threshold < 0.0 else threshold, seed)
 
 
+def _go_on(seed: int, parts: int, strategy: str, threshold: float) -> GoOn:
+    return GoOn(_scan(seed, parts), FindParts(seed), _plan(seed, strategy, threshold))
+
+
 METHODS: tuple[Method, ...] = (
-    Method("Scan", lambda given: TakeScan(given[0], given[1], stays=True), (SEED, PARTS)),
-    Method("FindParts", lambda given: FindParts(given[0]), (SEED,)),
-    Method(
-        "MakePlan",
-        lambda given: _plan(given[0], given[1], given[2]),
-        (SEED, STRATEGY, THRESHOLD),
-    ),
+    Method("Scan", _scan, (SEED, PARTS)),
+    Method("FindParts", FindParts, (SEED,)),
+    Method("MakePlan", _plan, (SEED, STRATEGY, THRESHOLD)),
     Method(
         "Send",
-        lambda given: SendPlan(given[0]),
+        SendPlan,
         (Argument("Plan", ua.VariantType.String, "digest of the approved plan"),),
     ),
-    Method(
-        "GoOn",
-        lambda given: GoOn(
-            TakeScan(given[0], given[1], stays=True),
-            FindParts(given[0]),
-            _plan(given[0], given[2], given[3]),
-        ),
-        (SEED, PARTS, STRATEGY, THRESHOLD),
-    ),
+    Method("GoOn", _go_on, (SEED, PARTS, STRATEGY, THRESHOLD)),
     Method(
         "ChooseRecipe",
-        lambda given: ChooseRecipe(given[0]),
+        ChooseRecipe,
         (Argument("Recipe", ua.VariantType.UInt32, "one of the variable Recipes; 0: none"),),
     ),
-    Method("ChooseBin", lambda given: ChooseBin(given[0]), (BIN,)),
-    Method("NewBin", lambda given: NewBin(given[0]), (BIN,)),
+    Method("ChooseBin", ChooseBin, (BIN,)),
+    Method("NewBin", NewBin, (BIN,)),
     Method(
         "ChooseView",
-        lambda given: ChooseView(given[0]),
+        ChooseView,
         (Argument("View", ua.VariantType.String, "one of the variable Views"),),
     ),
     Method(
         "PlanView",
-        lambda given: PlanView(given[0]),
+        PlanView,
         (Argument("View", ua.VariantType.String, "the chosen one, or empty; home: back from it"),),
     ),
-    Method("NewKit", lambda given: NewKit()),
-    Method("Stop", lambda given: Stop()),
-    Method("Cancel", lambda given: CancelJob()),
-    Method("Acknowledge", lambda given: AcknowledgeFault()),
+    Method("NewKit", NewKit),
+    Method("Stop", Stop),
+    Method("Cancel", CancelJob),
+    Method("Acknowledge", AcknowledgeFault),
     Method(
         "Report",
-        lambda given: ReportPick(given[0], given[1], given[2]),
+        ReportPick,
         (
             Argument("Detection", ua.VariantType.UInt32, "index of the part in the plan"),
             Argument("IsPicked", ua.VariantType.Boolean, "whether it was"),
             Argument("Why", ua.VariantType.String, "what is known about a failure"),
         ),
     ),
-    Method("TakeControl", lambda given: TakeControl()),
-    Method("ReleaseControl", lambda given: ReleaseControl()),
+    Method("TakeControl", TakeControl),
+    Method("ReleaseControl", ReleaseControl),
 )
 """Approvals are not here: they are a person's."""

@@ -169,7 +169,6 @@ class OpcUa:
 
     async def _call(self, method: Method, parent: Any, *variants: Any) -> Any:
         """Give the command of a method; whether it was carried out, and what is said to it."""
-        del parent
         if len(variants) < len(method.arguments):
             return ua.StatusCode(ua.UInt32(StatusCodes.BadArgumentsMissing))
         if len(variants) > len(method.arguments):
@@ -178,7 +177,7 @@ class OpcUa:
         if not self._door.is_still_in(person):
             return ua.StatusCode(ua.UInt32(StatusCodes.BadUserAccessDenied))
         try:
-            command = method.make([variant.Value for variant in variants])
+            command = method.make(*(variant.Value for variant in variants))
             # None: the threads of all other commands.
             threads = self._stopping if isinstance(command, Stop) else None
             state = await self._loop.run_in_executor(

@@ -10,7 +10,7 @@ import numpy as np
 
 from workbench.extras.reconstruction.depth_views import DepthView
 from workbench.extras.reconstruction.fusion import AGREED
-from workbench.model.geometry import Bools, Floats
+from workbench.model.geometry import Bools, Floats, transform
 
 
 def looked_through(views: Sequence[DepthView], gate: float) -> Floats:
@@ -24,7 +24,7 @@ def looked_through(views: Sequence[DepthView], gate: float) -> Floats:
     shares: list[float] = []
     for view in views:
         T = view.T_model_camera
-        points = view.points()[0] @ T.rotation.T + T.translation
+        points = transform(T, view.points()[0])
         through = np.zeros(len(points), dtype=np.int32)
         for other in views:
             if other is not view:
@@ -36,7 +36,7 @@ def looked_through(views: Sequence[DepthView], gate: float) -> Floats:
 def _looks_through(view: DepthView, points: Floats, gate: float) -> Bools:
     """Whether a view has measured something far behind points (n, 3) [m] of the model, (n,)."""
     T = view.T_model_camera.inverse()
-    p = points @ T.rotation.T + T.translation
+    p = transform(T, points)
     rows, columns = view.camera.shape
     pixel = np.rint(p[:, :2] / p[:, 2:] * view.camera.focal + view.camera.centre).astype(int)
     is_in = ((pixel >= 0) & (pixel < (columns, rows))).all(axis=1)

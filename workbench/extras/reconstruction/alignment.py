@@ -12,7 +12,7 @@ import pinocchio as pin
 from scipy.spatial import KDTree
 
 from workbench.extras.reconstruction.depth_views import DepthView
-from workbench.model.geometry import Floats, shift_and_turn
+from workbench.model.geometry import Floats, shift_and_turn, transform
 
 SHIFT, TURN = 0.0003, float(np.deg2rad(0.15))
 """[m], [rad] Deviations that given poses are taken to have, along and about each axis."""
@@ -96,9 +96,7 @@ def _pairs(
     k: int, clouds: Sequence[tuple[Floats, Floats]], poses: Sequence[pin.SE3]
 ) -> tuple[Floats, Floats, Floats]:
     """Points of view k, the nearest of others, and the normals there, each (n, 3), model frame."""
-    points = [
-        cloud[0] @ T.rotation.T + T.translation for cloud, T in zip(clouds, poses, strict=True)
-    ]
+    points = [transform(T, cloud[0]) for cloud, T in zip(clouds, poses, strict=True)]
     normals = [cloud[1] @ T.rotation.T for cloud, T in zip(clouds, poses, strict=True)]
     others = [j for j in range(len(clouds)) if j != k]
     target = np.concatenate([points[j] for j in others])

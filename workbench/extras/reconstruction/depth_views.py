@@ -7,7 +7,7 @@ import pinocchio as pin
 from scipy import ndimage
 
 from workbench.model.errors import InputError
-from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, frozen, put, transform
 from workbench.model.scan import Scan
 from workbench.perception.views.camera import Pinhole
 from workbench.perception.views.depth_images import averaged, normals_of
@@ -110,7 +110,7 @@ def depth_view(scan: Scan, bounds: Bounds) -> DepthView:
 def _window(scan: Scan, bounds: Bounds) -> tuple[Floats, Floats, float, float]:
     """Corners (2,) of the picture of the region, width of a pixel in it, and distance [m]."""
     T_camera_model = scan.T_world_scanner.inverse()
-    corners = bounds.corners @ T_camera_model.rotation.T + T_camera_model.translation
+    corners = transform(T_camera_model, bounds.corners)
     if corners[:, 2].min() <= 0:
         raise InputError(
             f"{scan.source}: the region reaches behind the scanner; is its pose right?"

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import ndimage
 
 from workbench.extras.reconstruction.depth_views import Bounds, DepthView
-from workbench.model.geometry import Bools, Floats, Ints
+from workbench.model.geometry import Bools, Floats, Ints, transform
 
 SLAB = 2_000_000
 """Voxels that are worked on at once, for the memory's sake."""
@@ -109,7 +109,7 @@ def _distances(
         what was measured there, how much it is worth (m,), and whether it is the part (m,).
     """
     T = view.T_model_camera.inverse()
-    p = points @ T.rotation.T + T.translation
+    p = transform(T, points)
     rows, columns = view.camera.shape
     pixel = np.rint(p[:, :2] / p[:, 2:] * view.camera.focal + view.camera.centre).astype(int)
     is_in = ((pixel >= 0) & (pixel < (columns, rows))).all(axis=1)

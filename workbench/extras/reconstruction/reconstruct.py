@@ -17,7 +17,7 @@ from workbench.extras.reconstruction.depth_views import (
 from workbench.extras.reconstruction.fusion import fused
 from workbench.extras.reconstruction.surface import closed_surface, simplified, unseen_share
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, Mesh
+from workbench.model.geometry import Floats, Mesh, transform
 from workbench.model.scan import Scan
 
 FEWEST_SCANS, MOST_SCANS = 3, 200
@@ -125,10 +125,7 @@ def reconstruct(
     surface = closed_surface(field, origin, voxel)
     poses = tuple(view.T_model_camera for view in views)
     measured = np.concatenate(
-        [
-            view.points()[0] @ T.rotation.T + T.translation
-            for view, T in zip(views, poses, strict=True)
-        ]
+        [transform(T, view.points()[0]) for view, T in zip(views, poses, strict=True)]
     )
     unseen = unseen_share(surface, measured, SEEN * voxel)
     fewer = simplified(surface, tolerance)

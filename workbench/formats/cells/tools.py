@@ -12,7 +12,7 @@ from workbench.formats.files.toml_documents import number, numbers, text
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import read_pose, read_solid
 from workbench.model.cell import Cell, Finger, Tool
-from workbench.model.geometry import Floats, Mesh, Solid
+from workbench.model.geometry import Floats, Mesh, Solid, transform
 from workbench.model.load import load_problem
 from workbench.model.robot import Tcp, ToolSlot
 from workbench.model.tools.held_body import HELD_BODY
@@ -250,7 +250,7 @@ def _points_of(solid: Solid) -> Floats:
     """Points (n, 3) [m] whose box holds a solid of a tool."""
     T, shape = solid.T_owner_shape, solid.shape
     if isinstance(shape, Mesh):
-        return shape.points @ T.rotation.T + T.translation
+        return transform(T, shape.points)
     far = solid.reach - float(np.linalg.norm(T.translation))
     return T.translation + far * np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
 

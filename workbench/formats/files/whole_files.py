@@ -1,4 +1,4 @@
-"""Files read and written as a whole: never more than expected, never half."""
+"""Files read and written as a whole: reading has a limit, and a written file is never half."""
 
 import contextlib
 import hashlib
@@ -22,17 +22,17 @@ SILENCE = 60.0
 """[s] Longest silence of a pipe: the writing program may have to compute first."""
 
 LONGEST_NAME = 60
-"""Of a file that came as bytes; its beginning is left out: file systems take 255 bytes."""
+"""[characters] Longest name of an upload; a longer name loses its beginning."""
 
 POINTER = b"version https://git-lfs.github.com/spec/"
-"""How a file begins that stands in a repository for a large one."""
+"""Beginning of a git-lfs pointer, which stands for a large file in a repository."""
 
 Stamp = tuple[int, int]
-"""When a file was written [ns], and its size [bytes]."""
+"""Modification time [ns] and size [bytes] of a file."""
 
 
 class PointerError(FileError):
-    """git-lfs has put a small file in the place of a large one that was not fetched."""
+    """The file is a git-lfs pointer to a large file that was not fetched."""
 
 
 def read_whole(path: Path, most: int) -> bytes:
@@ -41,11 +41,11 @@ def read_whole(path: Path, most: int) -> bytes:
     Devices and pipes have no size to ask for beforehand, so the reading itself is bounded.
 
     Raises:
-        FileError: not there, not to be read, or longer; or a pipe that nothing comes through; or
-            a pointer of git-lfs.
+        FileError: the file is missing, unreadable or longer; it is a silent pipe, or a pointer of
+            git-lfs.
     """
     try:
-        # Opening a named pipe would wait until somebody writes to it.
+        # Without the opener a named pipe would block until a program writes to it.
         with open(path, "rb", opener=_at_once) as file:
             is_file = stat.S_ISREG(os.fstat(file.fileno()).st_mode)
             content = file.read(most + 1) if is_file else _through(path, file.fileno(), most)
@@ -60,10 +60,10 @@ def read_whole(path: Path, most: int) -> bytes:
 
 
 def refuse_pointer(path: Path) -> None:
-    """Refuse a file that only stands for one that was not fetched, before others read it.
+    """Refuse a git-lfs pointer before another reader opens it.
 
     Raises:
-        PointerError: it is such a file.
+        PointerError: the file is a pointer.
         FileError: it cannot be read.
     """
     try:
@@ -79,12 +79,12 @@ def _refuse_pointer(path: Path, content: bytes) -> None:
 
 
 def _at_once(path: str, flags: int) -> int:
-    # Nor does a terminal that is read become the one that ends this process when it closes.
+    # O_NOCTTY: a terminal that is read must not become the controlling one of this process.
     return os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)
 
 
 def _through(path: Path, pipe: int, most: int) -> bytes:
-    """What comes through a pipe or from a device until its end, or one byte more than `most`."""
+    """The bytes of a pipe or a device until its end, or one byte more than `most`."""
     content = bytearray()
     while len(content) <= most:
         if not select.select([pipe], [], [], SILENCE)[0]:
@@ -98,26 +98,26 @@ def _through(path: Path, pipe: int, most: int) -> bytes:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Put `content` into a file that afterwards is either the new one or still the old one.
+    """Write a file; after a crash it has either the old or the new content.
 
-    Who may read and write it stays as it was.
+    Its permissions stay.
 
     Raises:
-        FileError: the folder is not there, or cannot be written to.
+        FileError: the folder is missing or cannot be written.
     """
     try:
         if path.exists() and not path.is_file():  # a device or a pipe cannot be replaced
             path.write_bytes(content)
             return
         target = path.resolve()
-        # A name of its own for each thread: two that write the same file must not mix.
+        # Each thread has its own name: two writers of the same file must not mix.
         partial = target.with_name(f".{os.getpid()}-{threading.get_ident()}.partial")
         try:
             with partial.open("wb") as file:
                 file.write(content)
                 if target.exists():
                     shutil.copymode(target, partial)
-                # After a power cut there is the old file or the new one, never an empty one.
+                # Without fsync a power cut could leave an empty file.
                 file.flush()
                 os.fsync(file.fileno())
             partial.replace(target)
@@ -125,7 +125,7 @@ def write_whole(path: Path, content: bytes) -> None:
             with contextlib.suppress(OSError):
                 partial.unlink()
             raise
-        # There are file systems whose folders cannot be synced; the file is there all the same.
+        # Some file systems cannot sync folders; the file is written all the same.
         with contextlib.suppress(OSError):
             sync_folder(target.parent)
     except OSError as error:
@@ -135,7 +135,7 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def partial_of(path: Path) -> Path:
-    """Where a file is written that then takes the place of another, all at once.
+    """The temporary name of a file that then replaces another one at once.
 
     Raises:
         FileError: the path, such as `.`, is not the name of a file.
@@ -147,7 +147,7 @@ def partial_of(path: Path) -> Path:
 
 
 def sync_folder(folder: Path) -> None:
-    """Have the names in a folder on the disk.
+    """Write the names in a folder to the disk.
 
     Raises:
         OSError: the folder cannot be opened or written.
@@ -160,10 +160,10 @@ def sync_folder(folder: Path) -> None:
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder, and those above it, if it is not there.
+    """Make a folder and its parents, if they are missing.
 
     Raises:
-        FileError: it cannot be made.
+        FileError: the folder cannot be made.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -172,7 +172,7 @@ def make_folder(folder: Path) -> None:
 
 
 def stamps(folder: Path, kinds: Collection[str]) -> dict[Path, Stamp]:
-    """The files in a folder whose names end like one of `kinds`, hidden ones left out.
+    """The files in a folder with one of the endings `kinds`, without hidden files.
 
     Raises:
         OSError: the folder cannot be read.
@@ -187,7 +187,7 @@ def stamps(folder: Path, kinds: Collection[str]) -> dict[Path, Stamp]:
 
 
 def is_folder(path: Path) -> bool:
-    """Whether there is a folder; also for names that none can have."""
+    """Whether a folder exists; False for impossible names."""
     try:
         return path.is_dir()
     except (OSError, ValueError):
@@ -195,7 +195,7 @@ def is_folder(path: Path) -> bool:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is a file; also for names that no file can have."""
+    """Whether a file exists; False for impossible names."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -208,16 +208,16 @@ def plain_name(name: str) -> str:
 
 
 def file_name(name: str) -> str:
-    """A file name for a thing of any name: another one for each, and never a path."""
+    """A unique file name for any name; it is never a path."""
     plain = re.sub(r"[^A-Za-z0-9_.-]", "_", name)[:100]
     return plain if plain == name else f"{plain}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
 def sent_name(name: str) -> str:
-    """The name of a file that somebody has sent, as it is.
+    """The name of an upload, unchanged.
 
     Raises:
-        InputError: no file can be called so, or it leads through folders.
+        InputError: no file can have this name, or it has folders.
     """
     is_odd = any(letter in "/\\" or unicodedata.category(letter) in ("Cc", "Cs") for letter in name)
     if is_odd or not name.strip("."):
@@ -227,13 +227,13 @@ def sent_name(name: str) -> str:
 
 @contextlib.contextmanager
 def write_upload(name: str, content: bytes | memoryview) -> Generator[Path]:
-    """A file that somebody has sent, as one in a folder of its own until the block ends.
+    """Write an upload into a temporary folder for the duration of the block.
 
-    What is wrong with the file is reported without that folder.
+    Errors name the file without that folder.
 
     Raises:
-        InputError: the name is not that of a file (`sent_name`).
-        FileError: it is raised in the block, and names the file as it was sent.
+        InputError: the name is impossible (`sent_name`).
+        FileError: raised in the block; it names the file as in the upload.
     """
     with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
         file = Path(folder) / sent_name(name)[-LONGEST_NAME:]

@@ -21,7 +21,7 @@ from workbench.formats.robots.urdf_joints import Follower
 from workbench.formats.robots.urdf_package import simplify_robot
 from workbench.model.cell import Finger, Tool
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, Mesh, Solid
+from workbench.model.geometry import Floats, Mesh, Solid, transform
 from workbench.model.robot import Link, Robot
 
 COARSE = "_sc"
@@ -205,7 +205,7 @@ def _moved(
             there = moving.at(_value(joint.name, values, known))
             poses[joint.child] = poses[joint.parent] * there.T_parent_joint
         for name, own in points.items():
-            placed[name].append(own @ poses[name].rotation.T + poses[name].translation)
+            placed[name].append(transform(poses[name], own))
     return tuple(
         MovingLink(name, tuple(places))
         for name, places in placed.items()

@@ -6,6 +6,7 @@ import numpy as np
 
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
+from workbench.model.geometry import transform
 from workbench.model.messages.cells import ViewChoiceText
 from workbench.model.robot import ScanPosture
 from workbench.model.scan import Scan
@@ -79,7 +80,7 @@ def scans_by_view(scan: Scan) -> tuple[Scan, ...]:
         T = view.T_world_scanner.actInv(scan.T_world_scanner)
         found.append(
             Scan(
-                scan.points[of] @ T.rotation.T + T.translation,
+                transform(T, scan.points[of]),
                 view.T_world_scanner,
                 view.name,
                 colours=None if scan.colours is None else scan.colours[of],

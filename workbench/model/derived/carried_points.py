@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Shape, Solid, Sphere
+from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Shape, Solid, Sphere, transform
 from workbench.model.part import Part
 from workbench.model.scan import Detection
 
@@ -115,7 +115,7 @@ def _of_shape(shape: Shape) -> Points:
 
 def moved(T: pin.SE3, points: Points) -> Points:
     """Points (m, 3) [m] of a frame that is at `T`."""
-    return points[0] @ T.rotation.T + T.translation, points[1]
+    return transform(T, points[0]), points[1]
 
 
 def joined(some: Sequence[Points]) -> Points:

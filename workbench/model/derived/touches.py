@@ -9,7 +9,7 @@ from workbench.model.calibration import BallScan, Touch
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.scanner_poses import scanner_pose
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, transform
 from workbench.model.messages.calibration import VerifyText
 from workbench.model.messages.message import Message
 
@@ -61,7 +61,7 @@ def seen_balls(cell: Cell, scan: BallScan) -> Floats:
     if len(scan.q) != (0 if carrier is None else len(carrier.joints)):
         raise InputError(VerifyText.OTHER_CELL(name=scan.name))
     T = scanner_pose(cell, scan.q)
-    return scan.balls @ T.rotation.T + T.translation
+    return transform(T, scan.balls)
 
 
 def touched_ball(cell: Cell, scan: BallScan, touch: Touch) -> TouchedBall:

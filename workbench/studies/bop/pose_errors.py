@@ -14,7 +14,7 @@ import pinocchio as pin
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.distance import pdist
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, frozen, put, transform
 from workbench.model.part import Part
 from workbench.model.symmetry import BALL
 from workbench.perception.matching.pose_error import FINE_STEPS
@@ -92,7 +92,7 @@ def _least(
 ) -> float:
     """The smallest over all motions; a few vertices first, which can but be nearer than all."""
     points = shape.points
-    found = seen(points @ T_found.rotation.T + T_found.translation)
+    found = seen(transform(T_found, points))
     Ts = T_true.homogeneous @ shape.motions
     probes = np.unique(np.concatenate([points.argmin(axis=0), points.argmax(axis=0),
                        np.arange(0, len(points), -(-len(points) // PROBES))]))  # fmt: skip

@@ -1,11 +1,10 @@
 """What of a robot never moves, so that tables can stand clear of it."""
 
 import numpy as np
-import pinocchio as pin
 
 from workbench.formats.meshes.triangles import surface_of
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, transform
 from workbench.planning.kinematics.chain import chain_of
 
 BAND = (-0.1, 0.2)
@@ -31,12 +30,8 @@ def _standing(cell: Cell) -> Floats:
         if joint.kind == "fixed" and joint.parent in poses:
             poses[joint.child] = poses[joint.parent] * joint.T_parent_joint
     found = [
-        _move(np.asarray(surface_of(link.collision).vertices), poses[link.name])
+        transform(poses[link.name], np.asarray(surface_of(link.collision).vertices))
         for link in cell.robot.links
         if link.name in poses and link.collision
     ]
     return np.vstack([np.empty((0, 3)), *found])
-
-
-def _move(points: Floats, T: pin.SE3) -> Floats:
-    return points @ T.rotation.T + T.translation

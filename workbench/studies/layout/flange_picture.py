@@ -9,7 +9,7 @@ from plotly.subplots import make_subplots
 
 from workbench.formats.meshes.triangles import surface_of
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats, Solid
+from workbench.model.geometry import Floats, Solid, transform
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.studies.plots import write_plot
 
@@ -76,7 +76,7 @@ def _body(
     T: pin.SE3, solids: tuple[Solid, ...], colour: str, name: str, with_legend: bool
 ) -> go.Mesh3d:
     surface = surface_of(solids)
-    points = np.asarray(surface.vertices) @ T.rotation.T + T.translation
+    points = transform(T, np.asarray(surface.vertices))
     (x, y, z), (i, j, k) = points.T, np.asarray(surface.faces).T
     return go.Mesh3d(
         x=x, y=y, z=z, i=i, j=j, k=k, color=colour, opacity=0.6, name=name, flatshading=True,

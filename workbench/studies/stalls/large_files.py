@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.formats.files.units import UNITS
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats, Ints
+from workbench.model.geometry import Floats, Ints, transform
 
 TRIANGLES = 950_000
 """Of a CAD file; 1,000,000 are taken."""
@@ -112,7 +112,7 @@ def cloud(cell: Cell, count: int) -> bytes:
     around = [random.uniform(-side / 2, side / 2, count) for side in (length, width)]
     up = 0.3 * height * np.sin(40 * around[0]) ** 2 + random.normal(0, 4e-4, count)
     T = cell.scanner.T_world_scanner.inverse() * cell.bin.T_world_bin
-    points = np.column_stack([*around, up]) @ T.rotation.T + T.translation
+    points = transform(T, np.column_stack([*around, up]))
     header = (
         f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\n"
         "property float x\nproperty float y\nproperty float z\nend_header\n"

@@ -1,7 +1,7 @@
-"""After too many failed logins in a while, no more: for an address, and for a name.
+"""Lockout after too many failed logins, for an address and for a name.
 
-A browser in which somebody has logged in before counts by itself when the same name is tried: what
-others get wrong keeps nobody out who has been in.
+A browser in which a user has logged in before has its own count for that name.  So failed logins
+elsewhere do not lock out the user.
 """
 
 import secrets
@@ -14,10 +14,10 @@ from workbench.web.access.users import digest_of, fold_name
 from workbench.web.http.origins import network_of
 
 MOST_FAILURES = 10
-"""Failed logins in `WHILE`."""
+"""Number of failed logins in `WHILE` that causes a lockout."""
 
 WHILE = 300.0
-"""[s]"""
+"""[s] Interval in which failed logins are counted."""
 
 REMEMBERED = 180 * 86400.0
 """[s] Time for which a browser is known after a login."""
@@ -35,22 +35,22 @@ class LoginAttempt:
 
 @dataclass(frozen=True, slots=True)
 class LockedOut:
-    """No login may be tried for this many seconds."""
+    """A lockout that ends in this many seconds."""
 
     seconds: float
 
 
 class Lockout:
-    """Counts failed logins, in a store, so that a restart forgets none.
+    """Counts failed logins in a store, so that a restart keeps the counts.
 
-    An attempt counts as failed from its start until it has succeeded: attempts made side by side
-    are no way around.  Names that nobody has count like any other.
+    An attempt counts as failed from its start until it succeeds, so parallel attempts count, too.
+    Unknown names count like all others.
 
     Concurrency: any thread.
     """
 
     def __init__(self, store: Store, now: Callable[[], float] = time.time):
-        """Counts in `store`; `now` is the time [s since 1970]."""
+        """Count in `store`; `now` returns the time [s since 1970]."""
         self._store = store
         self._now = now
 
@@ -58,21 +58,21 @@ class Lockout:
         """Begin an attempt.
 
         Args:
-            address: of the browser.
-            name: that is tried.
-            browser: what `remember` has given to it, if anything.
+            address: address of the browser.
+            name: name in the form.
+            browser: the browser's value from `remember`; empty: none.
 
         Returns:
-            What to hand to `note_success`; or that there were too many.
+            The attempt, for `note_success`; or the lockout.
         """
         subjects = _subjects(address, name)
         if browser and self._is_of(browser, name):
-            # By name, too: what one gets wrong at a panel keeps out nobody else who works there.
+            # Also by name: at a shared panel one user's failures must not lock out the others.
             subjects = (f"browser {digest_of(browser)} {subjects[1]}",)
         with self._store.change() as connection:
-            # In here, so that of attempts side by side none is later than another's now.
+            # Read inside the change, so that parallel attempts are in order.
             now = self._now()
-            # What is still to come was written before the clock was set back.
+            # Times in the future come from before the clock was set back.
             connection.execute("DELETE FROM failures WHERE at <= ? OR at > ?", (now - WHILE, now))
             numbers: list[int] = []
             for subject in subjects:
@@ -89,21 +89,20 @@ class Lockout:
         return LoginAttempt(tuple(numbers))
 
     def note_success(self, attempt: LoginAttempt) -> None:
-        """An attempt has not failed; earlier ones that did still count."""
+        """Remove a successful attempt from the count; earlier failures stay."""
         with self._store.change() as connection:
             for number in attempt.numbers:
                 connection.execute("DELETE FROM failures WHERE id = ?", (number,))
 
     def remember(self, name: str, browser: str = "") -> str:
-        """Take note of a browser in which somebody has logged in.
+        """Remember a browser in which a user has logged in.
 
         Args:
-            name: of who has.
-            browser: what the browser has shown, if anything.
+            name: name of the user.
+            browser: the browser's value from the previous call; empty: none.
 
         Returns:
-            What the browser has to show the next time.  It is another one each time: a copy of the
-            one before is worth nothing to whoever has it.
+            The new value for the browser's next login, so that a copy of the old one is worthless.
         """
         cookie, now = secrets.token_urlsafe(32), self._now()
         with self._store.change() as connection:
@@ -125,10 +124,10 @@ class Lockout:
         return cookie
 
     def forget(self, name: str | None = None) -> int:
-        """End a lockout: of one name, or all of them, those of addresses included.
+        """End the lockout of a name, or all lockouts, those of addresses included.
 
         Returns:
-            How many failed logins are forgotten.
+            The number of removed failures.
         """
         with self._store.change() as connection:
             if name is None:
@@ -143,5 +142,5 @@ class Lockout:
 
 
 def _subjects(address: str, name: str) -> tuple[str, str]:
-    # Names come from whoever tries; as digests they are all of one length.
+    # Digests of names have one length, however long a stranger's input is.
     return f"address {network_of(address)}", f"name {digest_of(fold_name(name))}"

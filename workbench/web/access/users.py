@@ -1,4 +1,4 @@
-"""Who may come in: users with a role and a password, and tokens for their programs."""
+"""Users with a role and a password, and tokens for their programs."""
 
 import hashlib
 import secrets
@@ -16,12 +16,12 @@ from workbench.web.access.store import Store
 LONGEST_NAME = 64
 
 TOKEN_MARK = "wb_"
-"""Begins every token, so that one that leaked is known for what it is."""
+"""Beginning of every token, so that scanners recognise a leaked one."""
 
 
 @dataclass(frozen=True, slots=True)
 class ProgramToken:
-    """What is known of a program's token; the token itself was shown once."""
+    """A program's token; its text was shown once and is not stored."""
 
     name: str
     made_at: float
@@ -29,7 +29,7 @@ class ProgramToken:
 
 @dataclass(frozen=True, slots=True)
 class User:
-    """Somebody who may log in, unless disabled."""
+    """A user, who may log in unless disabled."""
 
     name: str
     role: Role
@@ -38,14 +38,14 @@ class User:
 
     @property
     def person(self) -> Person:
-        """As commands know them."""
+        """The user as the actor of commands."""
         return Person(self.name, self.role)
 
 
 class Users:
     """The users in a store.
 
-    Whatever takes something from a user ends that user's logins in the same change.
+    A change that removes a right from a user also ends that user's logins.
 
     Concurrency: any thread.
     """
@@ -56,7 +56,7 @@ class Users:
         self._now = now
 
     def all(self) -> tuple[User, ...]:
-        """Everybody, by name."""
+        """All users, sorted by name."""
         tokens: dict[str, list[ProgramToken]] = {}
         for key, name, made_at in self._store.ask(
             "SELECT user, name, made_at FROM tokens ORDER BY name"
@@ -70,14 +70,14 @@ class Users:
         )
 
     def are_there(self) -> bool:
-        """Whether there is anybody, disabled or not."""
+        """Whether there are users, disabled ones included."""
         return bool(self._store.ask("SELECT 1 FROM users LIMIT 1"))
 
     def add(self, name: str, role: Role, password: str) -> None:
-        """Let somebody in.  The login by the first link ends: it was for having no users.
+        """Add a user.  This ends the login by the first link, which needs an empty list of users.
 
         Raises:
-            InputError: the name cannot be one or is taken, or the password is too short.
+            InputError: the name is impossible or taken, or the password is too short.
         """
         key, kept = key_of(name), hash_of(password)
         with self._store.change() as connection:
@@ -90,7 +90,7 @@ class Users:
             connection.execute("DELETE FROM sessions WHERE user IS NULL")
 
     def remove(self, name: str) -> None:
-        """Forget somebody, with tokens and logins.
+        """Remove a user, with tokens and logins.
 
         Raises:
             InputError: there is no such user.
@@ -98,7 +98,7 @@ class Users:
         self._alter(name, "DELETE FROM users WHERE key = :key")
 
     def set_disabled(self, name: str, is_disabled: bool) -> None:
-        """Keep somebody out, or let them in again.
+        """Disable or enable a user.
 
         Raises:
             InputError: there is no such user.
@@ -106,7 +106,7 @@ class Users:
         self._alter(name, "UPDATE users SET is_disabled = :to WHERE key = :key", int(is_disabled))
 
     def set_role(self, name: str, role: Role) -> None:
-        """Give somebody another role.
+        """Change the role of a user.
 
         Raises:
             InputError: there is no such user.
@@ -114,19 +114,19 @@ class Users:
         self._alter(name, "UPDATE users SET role = :to WHERE key = :key", role)
 
     def language(self, name: str) -> str:
-        """In which language somebody wants the page; empty where they have not said so."""
+        """The language that a user has chosen for the page; empty: none."""
         rows = self._store.ask("SELECT language FROM users WHERE key = ?", fold_name(name))
         return rows[0][0] if rows else ""
 
     def keep_language(self, name: str, language: str) -> None:
-        """Remember in which language somebody wants the page; who is gone meanwhile wants none."""
+        """Store the language that a user has chosen; does nothing for a removed user."""
         with self._store.change() as connection:
             connection.execute(
                 "UPDATE users SET language = ? WHERE key = ?", (language, fold_name(name))
             )
 
     def set_password(self, name: str, password: str) -> None:
-        """Give somebody another password.
+        """Change the password of a user.
 
         Raises:
             InputError: there is no such user, or the password is too short.
@@ -134,10 +134,10 @@ class Users:
         self._alter(name, "UPDATE users SET hash = :to WHERE key = :key", hash_of(password))
 
     def make_token(self, name: str, called: str) -> str:
-        """A new token for a program that acts for a user; shown this once.
+        """Make a token for a program that acts for a user; only this call returns its text.
 
         Raises:
-            InputError: there is no such user, or one of that name has been made before.
+            InputError: there is no such user, or the user has a token of that name.
         """
         if not called.strip() or len(called) > LONGEST_NAME or not called.isprintable():
             raise InputError(f"a token's name has 1 to {LONGEST_NAME} characters, not {called!r}")
@@ -154,7 +154,7 @@ class Users:
         return token
 
     def revoke_token(self, name: str, called: str) -> None:
-        """Make a token worthless.
+        """Revoke a token.
 
         Raises:
             InputError: there is no such user or token.
@@ -168,7 +168,7 @@ class Users:
                 raise InputError(f"{name} has no token {called!r}")
 
     def by_password(self, name: str, password: str) -> Person | None:
-        """Whose name and password these are; takes the same time for a name that nobody has."""
+        """The user with this name and password, else None; an unknown name takes the same time."""
         question = "SELECT name, role, hash FROM users WHERE key = ? AND is_disabled = 0"
         rows = self._store.ask(question, fold_name(name))
         known, role, kept = rows[0] if rows else ("", Role.VIEWER, NOBODYS)
@@ -176,7 +176,7 @@ class Users:
         return Person(known, Role(role)) if rows and is_theirs else None
 
     def by_token(self, token: str) -> Person | None:
-        """For whom a program acts that shows this token."""
+        """The user of a token; None: the token is not valid."""
         question = """
             SELECT users.name, users.role FROM tokens JOIN users ON users.key = tokens.user
             WHERE tokens.digest = ? AND users.is_disabled = 0
@@ -192,7 +192,7 @@ class Users:
             connection.execute(statement, {"key": key, "to": to})
 
     def _find_user(self, connection: sqlite3.Connection, name: str) -> str:
-        """The key of a user who is there."""
+        """The key of an existing user."""
         key = fold_name(name)
         if connection.execute("SELECT 1 FROM users WHERE key = ?", (key,)).fetchone():
             return key
@@ -202,23 +202,23 @@ class Users:
 
 
 def digest_of(secret: str) -> str:
-    """What is kept of a random secret; it has 256 bits, so a plain hash is enough."""
+    """The stored hash of a random secret, whose 256 bits need no slow hash."""
     return hashlib.sha256(secret.encode(errors="replace")).hexdigest()
 
 
 def fold_name(name: str) -> str:
-    """The name by which a user is found: capitals and ways of writing an accent do not count.
+    """The form in which names are compared: without capitals, and with accents composed.
 
-    Bytes of a command line that are no text (surrogates) become question marks.
+    Surrogates, which stand for undecodable bytes of a command line, become question marks.
     """
     return unicodedata.normalize("NFKC", name).casefold().encode(errors="replace").decode()
 
 
 def key_of(name: str) -> str:
-    """The key of a name that may be given to somebody.
+    """The key of a name for a new user.
 
     Raises:
-        InputError: it may not.
+        InputError: the name is not allowed.
     """
     is_plain = name.isprintable() and name.split() == name.split(" ")
     if not 0 < len(name) <= LONGEST_NAME or not is_plain:

@@ -134,10 +134,6 @@ def _watch(values: Values) -> Command:
     return WatchPlan(values["plan"], is_reported=True, row=_row(values))
 
 
-def _plan_digest(kind: type) -> Callable[[Values], Command]:
-    return lambda values: kind(values["plan"])
-
-
 def _approve(values: Values) -> Command:
     manner = values["speed_share"], values["is_stepped"]
     return Approve(values["plan"], *manner, _row(values))
@@ -296,7 +292,7 @@ CALLS: tuple[Call, ...] = (
         "Send the approved plan to the robot, which moves then, and those after it in their turn.",
         SendPlan,
         (PLAN,),
-        make=_plan_digest(SendPlan),
+        make=lambda values: SendPlan(values["plan"]),
         begins=True,
     ),
     Call(

@@ -10,6 +10,7 @@ from aiohttp import web
 from workbench.app.core.state import State
 from workbench.app.runtime.bench import Bench
 from workbench.web.api.forms import job_form, state_form
+from workbench.web.http.long_answers import write_within
 
 HEARTBEAT = 10.0
 """[s] After which a stream that has nothing to say shows that it lives."""
@@ -63,13 +64,14 @@ class Events:
         self._listeners += 1
         try:
             await response.prepare(request)
-            # A listener that goes is no problem of anybody's.
+            # A listener may leave; one that does not read would keep its place, even without login.
             with contextlib.suppress(ConnectionResetError):
                 async with contextlib.aclosing(self._words()) as words:
                     async for word in words:
                         if not word and not await is_still_allowed():
                             break
-                        await _write(request, response, word or b": still here\n\n")
+                        beat = b": still here\n\n"
+                        await write_within(WRITE_SECONDS, request, response, word or beat)
         finally:
             self._listeners -= 1
         return response
@@ -110,22 +112,6 @@ class Events:
                         await changed.wait()
         finally:
             unsubscribe()
-
-
-async def _write(request: web.Request, response: web.StreamResponse, word: bytes) -> None:
-    """Write a word.
-
-    Raises:
-        ConnectionResetError: the listener has gone, or does not read and is cut off: it would
-            keep its place, also beyond the end of its login.
-    """
-    try:
-        async with asyncio.timeout(WRITE_SECONDS):
-            await response.write(word)
-    except TimeoutError:
-        if request.transport is not None:
-            request.transport.abort()
-        raise ConnectionResetError("the listener does not read") from None
 
 
 def _in_loop(loop: asyncio.AbstractEventLoop, changed: asyncio.Event) -> None:

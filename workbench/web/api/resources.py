@@ -1,5 +1,6 @@
 """What can be read over HTTP: one table, a row an answer."""
 
+import functools
 import io
 import threading
 import time
@@ -17,6 +18,7 @@ from workbench.formats.plans.certificates import certificate_content
 from workbench.formats.plans.plan_files import plan_content
 from workbench.journal.journal import DATABASE
 from workbench.model.digest import canonical
+from workbench.model.scan import Scan
 from workbench.web.api import forms, schemas
 
 JSON = "application/json"
@@ -68,8 +70,12 @@ def _scan(source: AnswerSource) -> Any:
 
 def _points(source: AnswerSource) -> bytes | None:
     scan = source.state.scan
-    if scan is None:
-        return None
+    return None if scan is None else _packed_points(scan)
+
+
+# All clients share the bytes of a scan, which are tens of megabytes.
+@functools.lru_cache(maxsize=1)
+def _packed_points(scan: Scan) -> bytes:
     # Someone who has the points has what the digest is about.
     values: dict[str, Any] = {"points": scan.points}
     values["T_world_scanner"] = scan.T_world_scanner.homogeneous

@@ -30,6 +30,7 @@ from workbench.web.api.problems import problem, problem_of
 from workbench.web.api.reference import reference_html
 from workbench.web.api.resources import JSON, READS, AnswerSource, Read
 from workbench.web.http.broken_connections import is_broken_off
+from workbench.web.http.long_answers import send_pieces
 from workbench.web.http.refusals import log_refusal
 
 log = logging.getLogger(__name__)
@@ -141,7 +142,6 @@ class Api:
 
     async def read(self, read: Read, request: web.Request, person: Person) -> web.StreamResponse:
         """Answer with a value as it is now."""
-        del person
         loop = asyncio.get_running_loop()
         content = await loop.run_in_executor(self._reading, self._make, read)
         if content is None:
@@ -174,7 +174,6 @@ class Api:
 
     async def me(self, request: web.Request, person: Person) -> web.Response:
         """Answer who asks."""
-        del request
         may = [call.path for call in CALLS if person.role.covers(call.kind.right.role)]
         return _json({"name": person.name, "role": str(person.role), "may": may})
 
@@ -191,7 +190,7 @@ class Api:
 
     def _make(self, read: Read) -> bytes | None:
         value = read.answer(self._source)
-        return value if value is None or isinstance(value, bytes) else _text(value)
+        return value if value is None or isinstance(value, bytes) else encode_json(value)
 
 
 async def _body(request: web.Request) -> bytes | web.Response:
@@ -219,28 +218,19 @@ async def _send(request: web.Request, content: bytes, kind: str) -> web.StreamRe
     """A long answer, piece by piece: nothing else would be served while all of it is copied."""
     response = web.StreamResponse(headers=NO_STORE)
     response.content_type, response.content_length = kind, len(content)
-    await response.prepare(request)
-    for begin in range(0, len(content), CHUNK):
-        await response.write(content[begin : begin + CHUNK])
-    await response.write_eof()
-    return response
-
-
-def _text(value: Any) -> bytes:
-    return encode_json(value)
+    pieces = (content[begin : begin + CHUNK] for begin in range(0, len(content), CHUNK))
+    return await send_pieces(request, response, pieces)
 
 
 def _json(value: Any, **about: Any) -> web.Response:
-    return web.Response(body=_text(value), content_type=JSON, **about)
+    return web.Response(body=encode_json(value), content_type=JSON, **about)
 
 
 async def _describe(request: web.Request) -> web.Response:
-    del request
     return _json(openapi())
 
 
 async def _reference(request: web.Request) -> web.Response:
-    del request
     return web.Response(
         text=reference_html(openapi()),
         content_type="text/html",

@@ -23,6 +23,7 @@ from workbench.app.records.session_archive import export_session, open_journal
 from workbench.model.errors import WorkbenchError
 from workbench.web.access.identity import identify
 from workbench.web.api.problems import problem, problem_of
+from workbench.web.http.long_answers import send_pieces
 
 CHUNK = 2**18
 """[bytes] Sent at once."""
@@ -100,12 +101,8 @@ async def _send(request: web.Request, file: Path) -> web.StreamResponse:
         }
     )
     response.content_length = file.stat().st_size
-    await response.prepare(request)
     with file.open("rb") as content:
-        while chunk := content.read(CHUNK):
-            await response.write(chunk)
-    await response.write_eof()
-    return response
+        return await send_pieces(request, response, iter(partial(content.read, CHUNK), b""))
 
 
 def _session(folder: Path, file: Path) -> None:

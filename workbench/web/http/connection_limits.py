@@ -8,6 +8,7 @@ import socket
 from collections import Counter
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
+from enum import IntEnum
 
 from aiohttp import web
 from aiohttp.typedefs import Handler
@@ -18,22 +19,22 @@ from workbench.web.http.origins import network_of
 from workbench.web.http.refusals import log_refusal
 
 MOST_STRANGERS = 160
-"""Connections without a login at the same time; beyond them the one that waits longest goes."""
+"""Largest number of connections without a login."""
 
 MOST_KNOWN = 240
-"""Connections with a login; the websockets among them are counted in `connections.py`."""
+"""Largest number of connections with a login; `connections.py` counts their websockets."""
 
 WAIT_SECONDS = 10.0
-"""That a connection without a login may take for its next request, a handshake included."""
+"""[s] Longest wait for the next request without a login, the handshake included."""
 
 WORK_SECONDS = 30.0
-"""That its request may take, answer included."""
+"""[s] Longest time for a request without a login, the answer included."""
 
 KNOWN_SECONDS = 75.0
-"""That a connection with a login is kept without a request; more than proxies keep theirs."""
+"""[s] Longest pause between two requests with a login; proxies close theirs earlier."""
 
 GRACE_SECONDS = 0.5
-"""That a connection is not blamed for keeping us waiting: what it says may be on its way."""
+"""[s] For this long a connection counts as waiting for us: its bytes may be on their way."""
 
 IsLogin = Callable[[web.Request], Awaitable[bool]]
 """Whether a request shows a valid login, or a token."""
@@ -41,15 +42,25 @@ IsLogin = Callable[[web.Request], Awaitable[bool]]
 
 @dataclass(frozen=True, slots=True)
 class ConnectionRoom:
-    """How many connections there may be.
+    """Largest numbers of connections.
 
     Attributes:
         strangers: without a login.
-        known: with one.
+        known: with a login.
     """
 
     strangers: int = MOST_STRANGERS
     known: int = MOST_KNOWN
+
+
+class Claim(IntEnum):
+    """How strong a connection's claim to its place is; the weakest is dropped first."""
+
+    NONE = 0
+    NEW = 1
+    NEXT_REQUEST = 2
+    FIRST_REQUEST = 3
+    ANSWER = 4
 
 
 @dataclass(eq=False, slots=True)
@@ -57,15 +68,15 @@ class OpenConnection:
     """One connection.
 
     Attributes:
-        key: the protocol that its requests name.
-        socket: its own; closed once it has gone.
-        network: where it comes from.
-        since: when it came, or was last asked something, or answered [s].
-        drop: cuts it off.
-        is_known: whether it showed a login with its last request.
-        was_answered: whether it has had any answer.
-        began: when the first bytes of its next request came, if they did [s].
-        request: that is being answered, if any.
+        key: the protocol object that its requests name.
+        socket: closed once the client has gone.
+        network: the network that it comes from.
+        since: time of its arrival, or of its last request or answer [s].
+        drop: closes it at once.
+        is_known: whether its last request showed a login.
+        was_answered: whether it has received an answer.
+        began: time of the first bytes of its next request [s]; None before them.
+        request: the request in progress.
     """
 
     key: object
@@ -78,33 +89,34 @@ class OpenConnection:
     began: float | None = None
     request: web.Request | None = None
 
-    def claim(self, now: float) -> int:
-        """To its place; who has the least goes first when there are too many."""
+    def claim(self, now: float) -> Claim:
+        """The claim to a place at the time `now` [s]."""
         if self.request is not None:
-            # It may still owe us the rest.
-            return 4 if self.request.content.is_eof() else 0
+            # Until the body has arrived, the client keeps the server waiting.
+            return Claim.ANSWER if self.request.content.is_eof() else Claim.NONE
         if self.began is not None:
             is_our_turn = now - self.began < GRACE_SECONDS
         else:
             is_our_turn = _has_unread(self.socket)
         if is_our_turn:
-            return 2 if self.was_answered else 3
-        return 0 if self.was_answered or now - self.since >= GRACE_SECONDS else 1
+            return Claim.NEXT_REQUEST if self.was_answered else Claim.FIRST_REQUEST
+        is_idle = self.was_answered or now - self.since >= GRACE_SECONDS
+        return Claim.NONE if is_idle else Claim.NEW
 
 
 class ConnectionLimits:
-    """All who are here, and who of them has to go.
+    """The open connections, and the choice of those to close.
 
     Concurrency: the front's event loop only.
     """
 
     def __init__(self, is_login: IsLogin, clock: Callable[[], float], room: ConnectionRoom):
-        """Nobody is there.
+        """Start without connections.
 
         Args:
-            is_login: returns who has logged in.
-            clock: [s], does not jump.
-            room: for how many.
+            is_login: whether a request shows a login.
+            clock: monotonic time [s].
+            room: largest numbers of connections.
         """
         self._is_login = is_login
         self._clock = clock
@@ -114,13 +126,13 @@ class ConnectionLimits:
     def enter(
         self, key: object, taken: socket.socket, address: str, drop: Callable[[], None]
     ) -> None:
-        """Take note of a connection; if it is one too many, another one goes.
+        """Add a connection; if there are too many, close another one.
 
         Args:
-            key: the protocol that its requests will name.
+            key: the protocol object that its requests will name.
             taken: its socket.
-            address: that it comes from.
-            drop: cuts it off.
+            address: address of the client.
+            drop: closes it at once.
         """
         self._forget()
         strangers = [visitor for visitor in self._visitors.values() if not visitor.is_known]
@@ -129,13 +141,13 @@ class ConnectionLimits:
         self._visitors[key] = OpenConnection(key, taken, network_of(address), self._clock(), drop)
 
     def note_bytes(self, key: object) -> None:
-        """Take note that bytes have come from a connection."""
+        """Note that a connection has sent bytes."""
         visitor = self._visitors.get(key)
         if visitor is not None and visitor.began is None:
             visitor.began = self._clock()
 
     def make_room(self, count: int) -> None:
-        """Drop some of those without a login, when their sockets are needed."""
+        """Close `count` connections without a login, when the process needs their sockets."""
         self._forget()
         for _ in range(count):
             strangers = [visitor for visitor in self._visitors.values() if not visitor.is_known]
@@ -145,10 +157,10 @@ class ConnectionLimits:
 
     @web.middleware
     async def note(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """Note who asks, and when it was answered; a middleware."""
+        """Middleware: note the login of a request, its begin and its end."""
         visitor = self._visitors.get(request.protocol)
         if visitor is None:
-            # It was dropped just now.
+            # Its connection was closed a moment ago.
             return await handler(request)
         is_known = await self._is_known(request, visitor)
         if is_known and not visitor.is_known and not self._has_room_for_known():
@@ -161,23 +173,23 @@ class ConnectionLimits:
         except OSError as error:
             if request.transport is not None or not is_broken_off(error):
                 raise
-            # It has gone in the middle of its request: nobody is to be told, and nothing is wrong.
+            # The client has left during its request, which is no fault of the server.
             raise web.HTTPBadRequest from error
         finally:
             visitor.since, visitor.request = self._clock(), None
             visitor.was_answered, visitor.began = True, None
 
-    def look(self) -> None:
-        """Drop those without a login who have taken too long; to be called every second."""
+    def close_overdue(self) -> None:
+        """Close connections without a login that take too long; call it every second."""
         self._forget()
         now = self._clock()
         for visitor in list(self._visitors.values()):
             if visitor.is_known:
-                # They are not hurried while asked something; between requests aiohttp drops them.
+                # aiohttp closes them between requests; a request has no limit.
                 continue
             waited = now - visitor.since
             if waited >= (WORK_SECONDS if visitor.request is not None else WAIT_SECONDS):
-                # What has come and was not read yet is our delay.
+                # Unread bytes mean that the delay is the server's.
                 if visitor.request is None and _has_unread(visitor.socket):
                     continue
                 self._drop(visitor, None)
@@ -186,7 +198,7 @@ class ConnectionLimits:
         try:
             return await self._is_login(request)
         except FileError:
-            # The file of users cannot be read now: who is in stays in, and nobody new gets in.
+            # Without the file of users a known connection stays known, and no other gets in.
             return visitor.is_known
 
     def _has_room_for_known(self) -> bool:
@@ -200,7 +212,7 @@ class ConnectionLimits:
         return bool(idle)
 
     def _first_to_go(self, strangers: list[OpenConnection]) -> OpenConnection:
-        """The one with the least claim; of these, from where most come, who waits longest."""
+        """The weakest claim; of these the largest network, and there the longest wait."""
         now, crowd = self._clock(), Counter(stranger.network for stranger in strangers)
         return min(
             strangers,
@@ -214,17 +226,17 @@ class ConnectionLimits:
         visitor.drop()
 
     def _forget(self) -> None:
-        """Those who have gone by themselves."""
+        """Remove connections that the clients have closed."""
         gone = [key for key, visitor in self._visitors.items() if visitor.socket.fileno() < 0]
         for key in gone:
             del self._visitors[key]
 
 
 def room_for(descriptors: int) -> ConnectionRoom:
-    """How many connections there may be.
+    """The largest numbers of connections.
 
     Args:
-        descriptors: that the process may have open; a page's websocket takes three of them.
+        descriptors: number of files and sockets that the process may open; a page takes three.
     """
     return ConnectionRoom(
         strangers=max(8, min(MOST_STRANGERS, descriptors // 6)),
@@ -233,7 +245,7 @@ def room_for(descriptors: int) -> ConnectionRoom:
 
 
 def _has_unread(taken: socket.socket) -> bool:
-    """Whether something has come that we did not read yet."""
+    """Whether the socket holds unread bytes."""
     try:
         return bool(taken.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT))
     except OSError:

@@ -126,9 +126,9 @@ class Gate:
         while True:
             await asyncio.sleep(POLL_EVERY)
             try:
-                self._limits.look()
+                self._limits.close_overdue()
             except Exception:
-                log.exception("the limits of connections cannot be looked at")
+                log.exception("the limits of connections cannot be checked")
 
 
 class _Answering(web.RequestHandler):

@@ -26,7 +26,6 @@ Bar = Callable[[Person], Mapping[str, Any]]
 
 def without_robot(person: Person) -> Mapping[str, Any]:
     """Nothing of a robot, for a page that has none."""
-    del person
     return NO_ROBOT
 
 
@@ -43,7 +42,6 @@ Stopper = Callable[[Person], str]
 
 def stop_nothing(person: Person) -> str:
     """The stop of a page that has no robot."""
-    del person
     return str(NO_ROBOT["why"])
 
 

@@ -17,13 +17,13 @@ from workbench.app.core.command import (
     Entry,
     Right,
     refuse,
+    refuse_input,
 )
 from workbench.app.core.state import Phase, ScanState, State, begin_stage, stale_by
 from workbench.app.core.value_checks import check_text
 from workbench.model.cell import Cell
 from workbench.model.derived.by_bin import with_bin
 from workbench.model.derived.by_recipe import recipe_of
-from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.cells import BinChoiceText
 from workbench.model.messages.commands import CommandText
 from workbench.model.recipes.recipe import NO_RECIPE
@@ -136,8 +136,6 @@ def _by_bin(state: State, name: str) -> Cell:
     Raises:
         CommandRefused: there is none of that name.
     """
-    try:
-        # There an empty name stands for the bin that is chosen.
+    with refuse_input():
+        # `with_bin` takes an empty name for the chosen bin; here it names none.
         return with_bin(state.cell, name or "''")
-    except InputError as error:
-        raise CommandRefused(error.message) from error

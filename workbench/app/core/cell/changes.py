@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from typing import ClassVar
 
-from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse_input
 from workbench.app.core.effects import KeepDrafts, UseCell, WriteCell
 from workbench.app.core.people import Role
 from workbench.app.core.state import (
@@ -70,11 +70,9 @@ class ChangeCell(Command):
             raise CommandRefused(ChangeRefusal.CELL_CHANGED())
         if self.cell.digest == state.cell.digest:
             raise CommandRefused(ChangeRefusal.CELL_AS_IT_WAS())
-        try:
+        with refuse_input():
             for known in (state.cell, state.whole or state.cell):
                 chosen_as_in(self.cell, known)
-        except InputError as error:
-            raise CommandRefused(error.message) from error
 
     def apply(self, state: State, entry: Entry) -> Decision:
         # By the bin and view of the state, which are the first ones while the file is changed.
@@ -93,11 +91,9 @@ class StateTool(Command):
     def check(self, state: State, asked: Asked) -> None:
         check_text("arm", self.arm)
         check_text("tool", self.tool)
-        try:
+        with refuse_input():
             arm = state.cell.arm(self.arm)
             tool_of_arm(arm, self.tool)
-        except InputError as error:
-            raise CommandRefused(error.message) from error
         if arm.tool.name == self.tool and self.arm not in state.tools_unknown:
             raise CommandRefused(SlotText.CARRIED(arm=self.arm, tool=self.tool))
 

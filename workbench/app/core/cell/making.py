@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.app.core.cell.changes import Changed, changed_cell
-from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse_input
 from workbench.app.core.people import Role
 from workbench.app.core.state import State
 from workbench.app.core.tasks import begin_task
@@ -19,7 +19,7 @@ from workbench.formats.meshes.cad_files import CAD_ENDINGS, LARGEST_CAD
 from workbench.formats.parts.new_part import check_name
 from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.digest import LATER
-from workbench.model.errors import CommandRefused, InputError
+from workbench.model.errors import CommandRefused
 from workbench.model.geometry import frozen, put
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.refusals import ChangeRefusal
@@ -133,10 +133,8 @@ def check_import(cell: Cell, command: ImportPart) -> None:
         CommandRefused: it cannot.
     """
     check_text("file", command.file)
-    try:
+    with refuse_input():
         check_name(command.name)
-    except InputError as error:
-        raise CommandRefused(error.message) from error
     if command.name in (part.name for part in cell.parts):
         raise CommandRefused(ChangeRefusal.PART_EXISTS(part=command.name))
     if len(cell.parts) >= MOST_KINDS:
@@ -164,10 +162,8 @@ def check_tool(cell: Cell, command: AddTool) -> None:
     """
     name = command.drawn.name
     check_among("arm", command.arm, tuple(arm.name for arm in cell.arms))
-    try:
+    with refuse_input():
         check_drawn(command.drawn)
-    except InputError as error:
-        raise CommandRefused(error.message) from error
     known = {tool.name for arm in cell.arms for tool in (arm.tool, *arm.tools)}
     if name in known:
         raise CommandRefused(ChangeRefusal.TOOL_EXISTS(tool=name))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 from workbench.app.core.cell.changes import Changed, changed_cell
-from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse_input
 from workbench.app.core.effects import RemoveDraft
 from workbench.app.core.people import Role
 from workbench.app.core.state import State
@@ -88,10 +88,8 @@ def part_of(cell: Cell, name: str) -> Part:
     Raises:
         CommandRefused: there is none.
     """
-    try:
+    with refuse_input():
         return cell.part(name)
-    except InputError as error:
-        raise CommandRefused(error.message) from error
 
 
 def check_edit(cell: Cell, edit: EditPart) -> None:
@@ -101,10 +99,8 @@ def check_edit(cell: Cell, edit: EditPart) -> None:
         CommandRefused: it is not, or cannot.
     """
     part = part_of(cell, edit.part)
-    try:
+    with refuse_input():
         after = edited_part(part, edit)
-    except InputError as error:
-        raise CommandRefused(error.message) from error
     if after.digest == part.digest:
         raise CommandRefused(ChangeRefusal.PART_AS_IT_WAS(part=part.name))
 

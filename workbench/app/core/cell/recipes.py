@@ -7,13 +7,21 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from workbench.app.core.cell.changes import Changed, with_cell
-from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.command import (
+    SAFE,
+    Asked,
+    Command,
+    Decision,
+    Entry,
+    Right,
+    refuse,
+    refuse_input,
+)
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import check_integer
 from workbench.model.cell import Cell
 from workbench.model.derived.by_recipe import as_chosen, kit_of, recipe_of
 from workbench.model.derived.by_view import view_name
-from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.cells import KitText, RecipeText
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
@@ -44,14 +52,11 @@ def by_recipe(state: State, number: int) -> Cell:
     Raises:
         CommandRefused: there is none of that number, or it does not fit the cell.
     """
-    try:
-        whole = state.whole or state.cell
-        names_bin = number != NO_RECIPE and recipe_of(whole, number).bin
-        if names_bin:
+    whole = state.whole or state.cell
+    with refuse_input():
+        if number != NO_RECIPE and recipe_of(whole, number).bin:
             return as_chosen(whole, number)
         return as_chosen(whole, number, state.cell.bin.name, view_name(state.cell))
-    except InputError as error:
-        raise CommandRefused(error.message) from error
 
 
 def _choose(state: State, number: int) -> Changed:

@@ -10,12 +10,11 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from workbench.app.core.cell.changes import Changed, with_cell
-from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse_input
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import check_text
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import view_name, views_from, with_view
-from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.cells import ViewChoiceText
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message, all_of
@@ -120,8 +119,6 @@ def _by_view(state: State, name: str) -> Cell:
     Raises:
         CommandRefused: none of that name sees the bin that is chosen.
     """
-    try:
-        # There an empty name stands for the view that is chosen.
+    with refuse_input():
+        # `with_view` takes an empty name for the chosen view; here it names none.
         return with_view(state.cell, name or "''")
-    except InputError as error:
-        raise CommandRefused(error.message) from error

@@ -16,8 +16,8 @@ from workbench.app.core.cycle.outcomes import after_sending
 from workbench.app.core.cycle.parts import FindParts, check_search
 from workbench.app.core.cycle.planning import MakePlan, check_planning, make_plan
 from workbench.app.core.cycle.results import (
+    continue_cycle,
     from_next_bin,
-    gone_on,
     is_exhausted,
     with_result,
 )
@@ -83,7 +83,7 @@ class GoOn(Command):
     def apply(self, state: State, entry: Entry) -> Decision:
         state = replace(state, kit=replace(state.kit, bins_without=()))
         if state.phase is Phase.SENDING:
-            return asked_ahead(state, self, entry)
+            return request_ahead(state, self, entry)
         return _without_scan(state, self, entry) or take_scan(state, entry, self.scan, then=self)
 
 
@@ -94,38 +94,38 @@ def _without_scan(state: State, wanted: GoOn, entry: Entry) -> Begun | None:
     return make_plan(with_rest(state), entry, wanted.plan, then=wanted)
 
 
-def asked_ahead(state: State, wanted: GoOn, entry: Entry) -> Begun:
+def request_ahead(state: State, wanted: GoOn, entry: Entry) -> Begun:
     """The state with the next cycle requested while a plan is sent."""
     message = StateText.NEXT_CYCLE_AT_END()
     if wanted.sees_from:
         message = StateText.NEXT_CYCLE_FROM(step=wanted.sees_from)
-    return begun_ahead(replace(state, ahead=Ahead(wanted), message=message), entry)
+    return scan_ahead(replace(state, ahead=Ahead(wanted), message=message), entry)
 
 
-def begun_ahead(state: State, entry: Entry) -> Begun:
+def scan_ahead(state: State, entry: Entry) -> Begun:
     """Trigger the scanner once the robot reports a step at which the arms are out of its view."""
     ahead = state.ahead
-    if ahead is None or ahead.brought or state.job is not None or not _sees(state, ahead):
+    if ahead is None or ahead.brought or state.job is not None or not _is_view_clear(state, ahead):
         return state, ()
     begun, effects = take_scan(state, entry, ahead.wanted.scan, then=ahead.wanted)
     message = StateText.OUT_OF_VIEW()
     return replace(state, job=begun.job, message=message), effects
 
 
-def brought_ahead(state: State, number: int, result: Any, entry: Entry) -> Decision:
+def take_result_ahead(state: State, number: int, result: Any, entry: Entry) -> Decision:
     """The state with a task's result for the next cycle, and the task that follows from it."""
     job, ahead = state.job, state.ahead
     if job is None or ahead is None or job.number != number:
         return state, ()
     ahead = replace(ahead, brought=(*ahead.brought, (job, result, entry.at)))
     state = replace(state, ahead=ahead)
-    foreseen = _taken_over(_as_if_ended(state, entry.at), ahead)
-    following, effects = gone_on(state, foreseen, entry)
+    foreseen = _with_results(_as_if_ended(state, entry.at), ahead)
+    following, effects = continue_cycle(state, foreseen, entry)
     message = StateText.NEXT_CYCLE(message=as_message(following.message))
     return replace(state, job=following.job, message=message), effects
 
 
-def given_up(state: State, why: Message) -> Ended:
+def discard_ahead(state: State, why: Message) -> Ended:
     """The state without the prepared cycle and without the request for it."""
     if state.ahead is None:
         return state, ()
@@ -134,7 +134,7 @@ def given_up(state: State, why: Message) -> Ended:
     return replace(state, ahead=None, job=None, message=message), effects
 
 
-def after_the_end(before: State, after: State, entry: Entry) -> Decision:
+def finish_ahead(before: State, after: State, entry: Entry) -> Decision:
     """Take the prepared cycle into the state, or discard it, when a plan has ended.
 
     Args:
@@ -146,14 +146,14 @@ def after_the_end(before: State, after: State, entry: Entry) -> Decision:
     if ahead is None or after.phase is Phase.SENDING:
         return after, ()
     if why := _in_doubt(before, after, entry.at):
-        after, effects = given_up(after, why)
+        after, effects = discard_ahead(after, why)
         begun, tasks = _without_scan(after, ahead.wanted, entry) or (after, ())
         return begun, (*effects, *tasks)
     if not ahead.brought and before.job is None:
         begun, effects = take_scan(after, entry, ahead.wanted.scan, then=ahead.wanted)
         message = all_of((as_message(after.message), StateText.SCANNING()))
         return replace(begun, ahead=None, message=message), effects
-    taken = _taken_over(replace(after, ahead=None), ahead)
+    taken = _with_results(replace(after, ahead=None), ahead)
     if before.job is not None and before.job.name == "plan":
         taken = replace(taken, wanted_threshold=before.job.threshold)
     message = after.message
@@ -167,7 +167,7 @@ def after_the_end(before: State, after: State, entry: Entry) -> Decision:
     return taken, ()
 
 
-def _sees(state: State, ahead: Ahead) -> bool:
+def _is_view_clear(state: State, ahead: Ahead) -> bool:
     """Whether the robot reports that the last plan has reached the step from which a scan works."""
     if looks_again(state.cell):
         # A base that is on its way there has to be in the next scan.
@@ -196,7 +196,7 @@ def _as_if_ended(state: State, at: float) -> State:
     return replace(after_sending(state, ended, at), job=None, ahead=None)
 
 
-def _taken_over(state: State, ahead: Ahead) -> State:
+def _with_results(state: State, ahead: Ahead) -> State:
     """The state with all results of the prepared cycle, as if its jobs had begun after the end."""
     for job, result, at in ahead.brought:
         if job.name == "plan":

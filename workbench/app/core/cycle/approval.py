@@ -47,7 +47,8 @@ class Approve(Command):
         )
         if self.is_stepped not in (True, False):
             raise CommandRefused(Refusal.NO_MANNER(value=repr(self.is_stepped)))
-        _check_scene(state, plan)
+        if plan.scan_digest != state.scene_digest:
+            raise CommandRefused(Refusal.NEWER_SCAN())
         if state.proof is None:
             raise CommandRefused(Refusal.NO_PROOF())
         plans = [proven_plan.plan for proven_plan in state.whole_row]
@@ -56,7 +57,7 @@ class Approve(Command):
             check_approvable(state.cell, proven_plan.plan, proven_plan.proof, asked.actor, manner)
         refuse(stale_because(state, plan, asked.joints))
         refuse(explain_unwatched(state, asked.actor))
-        refuse(said_already(state, asked.actor, asked.now, manner))
+        refuse(approved_already(state, asked.actor, asked.now, manner))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return _approve(state, entry, self), ()
@@ -212,7 +213,7 @@ def lacks_people(cell: Cell, approval: Approval) -> Message | None:
     return Refusal.TOO_FEW_PEOPLE(count=cell.approvers, people=approval.people)
 
 
-def said_already(state: State, actor: str, now: float, manner: Manner) -> Message | None:
+def approved_already(state: State, actor: str, now: float, manner: Manner) -> Message | None:
     """Why a person need not approve again while somebody else's vote is missing; else None."""
     wanted = state.cell.approvers
     mine = any(
@@ -247,11 +248,6 @@ def votes_of_others(state: State, actor: str, now: float, manner: Manner) -> tup
     ]
     wanted = state.cell.approvers - 1
     return tuple(others[-wanted:]) if wanted else ()
-
-
-def _check_scene(state: State, plan: Plan) -> None:
-    if plan.scan_digest != state.scene_digest:
-        raise CommandRefused(Refusal.NEWER_SCAN())
 
 
 def _approve(state: State, entry: Entry, vote: Approve) -> State:

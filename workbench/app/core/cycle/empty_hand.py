@@ -4,7 +4,16 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from workbench.app.core.cell.changes import Changed, with_carried
-from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.command import (
+    SAFE,
+    Asked,
+    Command,
+    Decision,
+    Entry,
+    Right,
+    refuse,
+    refuse_input,
+)
 from workbench.app.core.cycle.arm_scanner import (
     path_problem,
     path_start,
@@ -28,7 +37,6 @@ from workbench.model.cell import Cell
 from workbench.model.derived.assembling import is_base_unseen
 from workbench.model.derived.by_bin import part_beside_bin
 from workbench.model.derived.policies import stir_problem
-from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.cells import ViewChoiceText
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import FoundPart, Message, all_of
@@ -104,10 +112,8 @@ class PlanToolChange(Command):
         check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
         check_text("tool", self.tool)
         check_text("arm", self.arm)
-        try:
+        with refuse_input():
             refuse(change_problem(state.cell, self.arm_in(state.cell), self.tool))
-        except InputError as error:
-            raise CommandRefused(error.message) from error
 
     def apply(self, state: State, entry: Entry) -> Decision:
         arguments = {

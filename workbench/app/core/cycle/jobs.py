@@ -6,10 +6,10 @@ from typing import Any, ClassVar
 from workbench.app.core.cell.changes import change_whole
 from workbench.app.core.cell.making import with_made
 from workbench.app.core.command import EVERY_PHASE, Command, Decision, Entry, Right
-from workbench.app.core.cycle.ahead import brought_ahead, given_up
+from workbench.app.core.cycle.ahead import discard_ahead, take_result_ahead
 from workbench.app.core.cycle.arm_scanner import plate_problem, scan_problem, standing_joints
 from workbench.app.core.cycle.correcting import CORRECT, with_corrected
-from workbench.app.core.cycle.results import gone_on, with_result
+from workbench.app.core.cycle.results import continue_cycle, with_result
 from workbench.app.core.effects import StopJob
 from workbench.app.core.state import Phase, State
 from workbench.model.calibration import BallScan, PlateObservation
@@ -56,11 +56,11 @@ class JobEnded(Command):
             case Part() | Tool() as made:
                 return change_whole(state, lambda whole: with_made(whole, self.number, made))
             case _ if state.phase is Phase.SENDING:
-                return brought_ahead(state, self.number, self.result, entry)
+                return take_result_ahead(state, self.number, self.result, entry)
             case _:
                 result = _still_good(state, self.result, entry)
                 after = with_result(state, self.number, result, entry.at)
-                return gone_on(state, after, entry)
+                return continue_cycle(state, after, entry)
 
 
 def _still_good(state: State, result: Any, entry: Entry) -> Any:
@@ -89,14 +89,10 @@ class CancelJob(Command):
         return Refusal.NO_TASK() if state.job is None and state.ahead is None else None
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return _cancel(state, entry)
-
-
-def _cancel(state: State, entry: Entry) -> Decision:
-    if state.ahead is not None:
-        return given_up(state, AheadText.CANCELLED(person=entry.actor))
-    if state.job is None:
-        return state, ()
-    # The job leaves the state at once; whatever it still brings is recorded and not used.
-    message = StateText.CANCELLED_BY(task=task_message(state.job.name), person=entry.actor)
-    return replace(state, job=None, message=message), (StopJob(state.job.number),)
+        if state.ahead is not None:
+            return discard_ahead(state, AheadText.CANCELLED(person=entry.actor))
+        if state.job is None:
+            return state, ()
+        # The job leaves the state at once; whatever it still brings is recorded and not used.
+        message = StateText.CANCELLED_BY(task=task_message(state.job.name), person=entry.actor)
+        return replace(state, job=None, message=message), (StopJob(state.job.number),)

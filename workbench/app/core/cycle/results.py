@@ -112,7 +112,7 @@ def _failure_message(job: Job, why: Message) -> Message:
     return StateText.TASK_FAILED(task=task_message(job.name), why=why)
 
 
-def gone_on(before: State, after: State, entry: Entry) -> Decision:
+def continue_cycle(before: State, after: State, entry: Entry) -> Decision:
     """The step that follows automatically when the job of `before` has ended, if requested."""
     job = before.job
     if job is None or job.then is None or after.job is not None:

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from workbench.app.core.after_a_miss import with_end
 from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
-from workbench.app.core.cycle.ahead import after_the_end, begun_ahead, given_up
+from workbench.app.core.cycle.ahead import discard_ahead, finish_ahead, scan_ahead
 from workbench.app.core.cycle.approval import explain_unwalked, staleness
 from workbench.app.core.cycle.empty_hand import with_new_tool
 from workbench.app.core.cycle.outcomes import after_sending
@@ -55,7 +55,24 @@ class SendPlan(Command):
             raise CommandRefused(Refusal.ROW_NEEDS_JOINTS())
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return _send(state, entry)
+        if state.plan is None or state.approval is None:
+            raise CommandRefused(Refusal.NO_APPROVED_PLAN())
+        message: Message = StateText.SENDS(person=entry.actor, plan=row_message(state))
+        if state.cell.controller.motion.sends_poses:
+            message = PosesText.SENDS(person=entry.actor, plan=row_message(state))
+        begun = begin_stage(
+            state,
+            RunState,
+            phase=Phase.SENDING,
+            message=message,
+            let_until=state.approval.until,
+            # What a plan takes is no longer where a scan has shown it.
+            earlier=state.earlier if state.plan.is_view_plan else None,
+            hands_emptied=() if state.plan.picks else state.hands_emptied,
+            hands_open=tuple(arm for arm in state.hands_open if arm not in _picking(state)),
+            largest_sent=_largest_sent(state),
+        )
+        return begun, (Send(state.plan, state.approval, following(state)),)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,7 +105,7 @@ class Stop(Command):
     def apply(self, state: State, entry: Entry) -> Decision:
         says = StateText.STOPS_SENDING(person=entry.actor)
         stopped = replace(state, message=says, stopped_by=entry.actor)
-        after, effects = given_up(stopped, AheadText.PLAN_STOPPED())
+        after, effects = discard_ahead(stopped, AheadText.PLAN_STOPPED())
         return after, (StopSending(), *effects)
 
 
@@ -103,7 +120,7 @@ class Sent(Command):
     receipt: Receipt
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return begun_ahead(with_receipt(state, self.receipt), entry)
+        return scan_ahead(with_receipt(state, self.receipt), entry)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,30 +141,9 @@ class LinkEnded(SendingEnd, Command):
         after = after_sending(state, self, entry.at)
         after, sends = with_next_plan(state, after, self, entry)
         after = with_end(state, after, self)
-        after, effects = after_the_end(state, after, entry)
+        after, effects = finish_ahead(state, after, entry)
         after, changes = with_new_tool(state, after, self)
         return after, (*sends, *effects, *changes)
-
-
-def _send(state: State, entry: Entry) -> Decision:
-    if state.plan is None or state.approval is None:
-        raise CommandRefused(Refusal.NO_APPROVED_PLAN())
-    message: Message = StateText.SENDS(person=entry.actor, plan=row_message(state))
-    if state.cell.controller.motion.sends_poses:
-        message = PosesText.SENDS(person=entry.actor, plan=row_message(state))
-    begun = begin_stage(
-        state,
-        RunState,
-        phase=Phase.SENDING,
-        message=message,
-        let_until=state.approval.until,
-        # What a plan takes is no longer where a scan has shown it.
-        earlier=state.earlier if state.plan.is_view_plan else None,
-        hands_emptied=() if state.plan.picks else state.hands_emptied,
-        hands_open=tuple(arm for arm in state.hands_open if arm not in _picking(state)),
-        largest_sent=_largest_sent(state),
-    )
-    return begun, (Send(state.plan, state.approval, following(state)),)
 
 
 def _largest_sent(state: State) -> tuple[float, float]:
