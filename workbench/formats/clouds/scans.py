@@ -26,7 +26,7 @@ from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import MB, read_whole, write_whole
 from workbench.model.cell import IN_WORLD, Z_FORWARD, ScannerMount
 from workbench.model.errors import FileError
-from workbench.model.geometry import Bools, Floats
+from workbench.model.geometry import Bools, Floats, transform
 from workbench.model.messages.files import FileProblem
 from workbench.model.scan import Scan
 
@@ -124,7 +124,7 @@ def turned_to_camera(scan: Scan, axes: str) -> Scan:
         return scan
     if axes == IN_WORLD:
         T = scan.T_world_scanner
-        return replace(scan, points=(scan.points - T.translation) @ T.rotation)
+        return replace(scan, points=transform(T.inverse(), scan.points))
     return replace(scan, points=scan.points @ np.array(CLOUD_AXES[axes], dtype=float).T)
 
 
@@ -269,7 +269,7 @@ def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m", axes: str = Z_
     header.append("end_header\n")
     T = scan.T_world_scanner
     if axes == IN_WORLD:
-        points = scan.points @ T.rotation.T + T.translation
+        points = transform(T, scan.points)
     else:
         points = scan.points @ np.array(CLOUD_AXES[axes], dtype=float)
     rows: Any = np.empty(len(points), dtype=fields)

@@ -126,7 +126,6 @@ def _check_lifts(world: World, candidate: Candidate, T_world_tcp: pin.SE3) -> Pa
     return [], Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, pair, note=note)
 
 
-
 def find_lifts_clear_for_part_and_hand(
     world: World, candidate: Candidate, T_world_tcp: pin.SE3, most: int = MOST_CLEAR
 ) -> tuple[list[tuple[str, Floats]], Verdict | None]:
