@@ -151,9 +151,9 @@ class CalibrationRecord:
     by: str
     poses: int
     rms: float
-    position_error: float | None = field(default_factory=lambda: None, metadata=LATER)
-    angle_error: float | None = field(default_factory=lambda: None, metadata=LATER)
-    covariance: Floats | None = field(default_factory=lambda: None, metadata=LATER)
+    position_error: float | None = field(default=None, metadata=LATER)
+    angle_error: float | None = field(default=None, metadata=LATER)
+    covariance: Floats | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.covariance is not None:

@@ -144,7 +144,7 @@ class Candidate(FactsRepr):
     T_world_tcp: pin.SE3
     rank: float
     verdict: Verdict
-    tcp: str = field(default_factory=str, metadata=LATER)
+    tcp: str = field(default="", metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_tcp=copy_pose(self.T_world_tcp))

@@ -56,12 +56,12 @@ class Tool:
     fingers: tuple[Finger, ...] = ()
     stroke: tuple[float, float] = (0.0, 0.0)
     press: float = 0.0015
-    force: float | None = field(default_factory=lambda: None, metadata=LATER)
-    mass: float | None = field(default_factory=lambda: None, metadata=LATER)
-    centre_of_gravity: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    inertia: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    tcps: tuple[Tcp, ...] = field(default_factory=tuple, metadata=LATER)
-    tcp: str = field(default_factory=str, metadata=LATER)
+    force: float | None = field(default=None, metadata=LATER)
+    mass: float | None = field(default=None, metadata=LATER)
+    centre_of_gravity: Floats | None = field(default=None, metadata=LATER)
+    inertia: Floats | None = field(default=None, metadata=LATER)
+    tcps: tuple[Tcp, ...] = field(default=(), metadata=LATER)
+    tcp: str = field(default="", metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_flange_tcp=copy_pose(self.T_flange_tcp))
@@ -111,14 +111,14 @@ class Arm:
     Ts_world_place: tuple[pin.SE3, ...] = ()
     keeps_parts: bool = False
     tools: tuple[Tool, ...] = ()
-    needs_roll: bool = field(default_factory=lambda: False, metadata=LATER)
-    part_places: tuple[PartPlace, ...] = field(default_factory=tuple, metadata=LATER)
-    passes_parts_on: bool = field(default_factory=bool, metadata=LATER)
-    jerk: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    place_names: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
-    mapping: AxisMapping | None = field(default_factory=lambda: None, metadata=LATER)
-    moving_mass: float | None = field(default_factory=lambda: None, metadata=LATER)
-    tool_slots: tuple[ToolSlot, ...] = field(default_factory=tuple, metadata=LATER)
+    needs_roll: bool = field(default=False, metadata=LATER)
+    part_places: tuple[PartPlace, ...] = field(default=(), metadata=LATER)
+    passes_parts_on: bool = field(default=False, metadata=LATER)
+    jerk: Floats | None = field(default=None, metadata=LATER)
+    place_names: tuple[str, ...] = field(default=(), metadata=LATER)
+    mapping: AxisMapping | None = field(default=None, metadata=LATER)
+    moving_mass: float | None = field(default=None, metadata=LATER)
+    tool_slots: tuple[ToolSlot, ...] = field(default=(), metadata=LATER)
 
     def __post_init__(self) -> None:
         put(
@@ -188,9 +188,9 @@ class ScannerMount:
     calibration: CalibrationRecord | None = None
     calibration_days: float = 90.0
     options: Mapping[str, Option] = field(default_factory=dict[str, Option], metadata=LATER)
-    cloud_axes: str = field(default_factory=lambda: Z_FORWARD, metadata=LATER)
-    while_moving: bool = field(default_factory=bool, metadata=LATER)
-    on_arm: ArmScanner | None = field(default_factory=lambda: None, metadata=LATER)
+    cloud_axes: str = field(default=Z_FORWARD, metadata=LATER)
+    while_moving: bool = field(default=False, metadata=LATER)
+    on_arm: ArmScanner | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_scanner=copy_pose(self.T_world_scanner), options=dict(self.options))
@@ -213,7 +213,7 @@ class Controller:
     state_port: int
     motion: MotionModel
     options: Mapping[str, Option] = field(default_factory=dict[str, Option])
-    is_simulated: bool = field(default_factory=bool, metadata=LATER)
+    is_simulated: bool = field(default=False, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, options=dict(self.options))
@@ -265,22 +265,22 @@ class Policy:
     order: OrderName = "travel"
     metric: float = 0.6
     approval_minutes: float = 5.0
-    lifts: tuple[LiftName, ...] = field(default_factory=lambda: ("leaning",), metadata=LATER)
-    least_air: float | None = field(default_factory=lambda: None, metadata=LATER)
-    pair_gap: float = field(default_factory=lambda: 0.0, metadata=LATER)
-    sink: float = field(default_factory=lambda: 0.001, metadata=LATER)
-    release: float = field(default_factory=lambda: 0.01, metadata=LATER)
-    picks: int = field(default_factory=lambda: 1, metadata=LATER)
-    tcp_speed: float | None = field(default_factory=lambda: None, metadata=LATER)
-    point_speed: float | None = field(default_factory=lambda: None, metadata=LATER)
-    held_speed: float | None = field(default_factory=lambda: None, metadata=LATER)
-    manual_speed: bool = field(default_factory=bool, metadata=LATER)
-    contact_energy: float | None = field(default_factory=lambda: None, metadata=LATER)
-    as_needed: bool = field(default_factory=lambda: True, metadata=LATER)
-    stirs: int = field(default_factory=int, metadata=LATER)
-    stir_speed: float = field(default_factory=lambda: 0.1, metadata=LATER)
-    slot_speed: float = field(default_factory=lambda: 0.05, metadata=LATER)
-    retry_without_scan: bool = field(default_factory=bool, metadata=LATER)
+    lifts: tuple[LiftName, ...] = field(default=("leaning",), metadata=LATER)
+    least_air: float | None = field(default=None, metadata=LATER)
+    pair_gap: float = field(default=0.0, metadata=LATER)
+    sink: float = field(default=0.001, metadata=LATER)
+    release: float = field(default=0.01, metadata=LATER)
+    picks: int = field(default=1, metadata=LATER)
+    tcp_speed: float | None = field(default=None, metadata=LATER)
+    point_speed: float | None = field(default=None, metadata=LATER)
+    held_speed: float | None = field(default=None, metadata=LATER)
+    manual_speed: bool = field(default=False, metadata=LATER)
+    contact_energy: float | None = field(default=None, metadata=LATER)
+    as_needed: bool = field(default=True, metadata=LATER)
+    stirs: int = field(default=0, metadata=LATER)
+    stir_speed: float = field(default=0.1, metadata=LATER)
+    slot_speed: float = field(default=0.05, metadata=LATER)
+    retry_without_scan: bool = field(default=False, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)
@@ -295,7 +295,7 @@ class PlanOverrides:
     order: OrderName | None = None
     margin: float | None = None
     metric: float | None = None
-    picks: int | None = field(default_factory=lambda: None, metadata=LATER)
+    picks: int | None = field(default=None, metadata=LATER)
 
     def on(self, policy: Policy) -> Policy:
         """The policy with these changes."""
@@ -324,10 +324,10 @@ class Cell(FactsRepr):
     policy: Policy = field(default_factory=Policy)
     approvers: int = 1
     localizer: LocalizerChoice = field(default_factory=LocalizerChoice, metadata=LATER)
-    stations: tuple[Station, ...] = field(default_factory=tuple, metadata=LATER)
-    recipes: tuple[Recipe, ...] = field(default_factory=tuple, metadata=LATER)
-    recipe: int = field(default_factory=lambda: NO_RECIPE, metadata=LATER)
-    other_bins: tuple[Bin, ...] = field(default_factory=tuple, metadata=LATER)
+    stations: tuple[Station, ...] = field(default=(), metadata=LATER)
+    recipes: tuple[Recipe, ...] = field(default=(), metadata=LATER)
+    recipe: int = field(default=NO_RECIPE, metadata=LATER)
+    other_bins: tuple[Bin, ...] = field(default=(), metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -148,7 +148,7 @@ class Mesh:
     triangles: Ints
     is_convex: bool = False
     kind: Literal["mesh"] = field(default="mesh", init=False)
-    pieces: "tuple[Mesh, ...]" = field(default_factory=tuple, metadata={"later": True})
+    pieces: "tuple[Mesh, ...]" = field(default=(), metadata={"later": True})
 
     def __post_init__(self) -> None:
         put(

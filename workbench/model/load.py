@@ -77,7 +77,7 @@ class Loads:
 
     tool: Load
     part: Load | None
-    new_tool: Load | None = field(default_factory=lambda: None, metadata=LATER)
+    new_tool: Load | None = field(default=None, metadata=LATER)
 
     def carried(self, holding: bool) -> Load:
         """The tool alone, or the tool with the part in it."""

@@ -53,8 +53,8 @@ class Grasp:
     tool: str = ""
     tilt: float = 0.0
     slide: float = 0.0
-    is_found: bool = field(default_factory=bool, metadata=LATER)
-    tcp: str = field(default_factory=str, metadata=LATER)
+    is_found: bool = field(default=False, metadata=LATER)
+    tcp: str = field(default="", metadata=LATER)
 
     def __post_init__(self) -> None:
         put(
@@ -146,7 +146,7 @@ class GraspLibrary:
 
     entries: tuple[Entry, ...] = ()
     pairs: tuple[GraspPair, ...] = ()
-    searches: bool = field(default_factory=bool, metadata=LATER)
+    searches: bool = field(default=False, metadata=LATER)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
     def __post_init__(self) -> None:
@@ -195,12 +195,12 @@ class PartPlace:
     free_rotation: float = 0.0
     tolerance: float = 0.002
     turn_tolerance: float = np.deg2rad(3.0)
-    approach: tuple[float, float, float] = field(default_factory=lambda: DOWN, metadata=LATER)
-    pallet: int = field(default_factory=int, metadata=LATER)
-    layer: int = field(default_factory=lambda: 1, metadata=LATER)
-    name: str = field(default_factory=str, metadata=LATER)
-    length: float = field(default_factory=lambda: PLACE_LIFT, metadata=LATER)
-    centred: tuple[float, float] | None = field(default_factory=lambda: None, metadata=LATER)
+    approach: tuple[float, float, float] = field(default=DOWN, metadata=LATER)
+    pallet: int = field(default=0, metadata=LATER)
+    layer: int = field(default=1, metadata=LATER)
+    name: str = field(default="", metadata=LATER)
+    length: float = field(default=PLACE_LIFT, metadata=LATER)
+    centred: tuple[float, float] | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_part=copy_pose(self.T_world_part))
@@ -262,11 +262,11 @@ class Bin:
     T_world_bin: pin.SE3
     size: Floats
     wall: float = 0.003
-    has_walls: bool = field(default_factory=lambda: True, metadata=LATER)
-    regions: tuple[Region, ...] = field(default_factory=tuple, metadata=LATER)
-    name: str = field(default_factory=str, metadata=LATER)
-    number: int = field(default_factory=int, metadata=LATER)
-    p_world_drop: tuple[float, ...] | None = field(default_factory=lambda: None, metadata=LATER)
+    has_walls: bool = field(default=True, metadata=LATER)
+    regions: tuple[Region, ...] = field(default=(), metadata=LATER)
+    name: str = field(default="", metadata=LATER)
+    number: int = field(default=0, metadata=LATER)
+    p_world_drop: tuple[float, ...] | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_bin=copy_pose(self.T_world_bin), size=frozen(self.size))
@@ -324,13 +324,13 @@ class Part(Shared, FactsRepr):
     mass: float
     symmetry: Symmetry
     library: GraspLibrary
-    friction: float | None = field(default_factory=lambda: None, metadata=LATER)
-    colours: np.ndarray | None = field(default_factory=lambda: None, metadata=LATER)
-    tolerance: float | None = field(default_factory=lambda: None, metadata=LATER)
-    scale: float = field(default_factory=lambda: 1.0, metadata=LATER)
-    offset: float = field(default_factory=float, metadata=LATER)
-    upright: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    tilt: float = field(default_factory=float, metadata=LATER)
+    friction: float | None = field(default=None, metadata=LATER)
+    colours: np.ndarray | None = field(default=None, metadata=LATER)
+    tolerance: float | None = field(default=None, metadata=LATER)
+    scale: float = field(default=1.0, metadata=LATER)
+    offset: float = field(default=0.0, metadata=LATER)
+    upright: Floats | None = field(default=None, metadata=LATER)
+    tilt: float = field(default=0.0, metadata=LATER)
     digest: str = field(init=False, repr=False)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 

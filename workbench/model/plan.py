@@ -134,12 +134,12 @@ class ArmPlan:
     T_tcp_part: pin.SE3
     joints: tuple[str, ...]
     legs: tuple[Leg, ...]
-    station: str = field(default_factory=str, metadata=LATER)
-    loads: Loads | None = field(default_factory=lambda: None, metadata=LATER)
-    found: FoundGrip | None = field(default_factory=lambda: None, metadata=LATER)
-    tcp: str = field(default_factory=str, metadata=LATER)
-    tool: str = field(default_factory=str, metadata=LATER)
-    held: str = field(default_factory=str, metadata=LATER)
+    station: str = field(default="", metadata=LATER)
+    loads: Loads | None = field(default=None, metadata=LATER)
+    found: FoundGrip | None = field(default=None, metadata=LATER)
+    tcp: str = field(default="", metadata=LATER)
+    tool: str = field(default="", metadata=LATER)
+    held: str = field(default="", metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_tcp_part=copy_pose(self.T_tcp_part))
@@ -195,7 +195,7 @@ class Plan(FactsRepr):
     note: str = ""
     obstacles: tuple[Obstacle, ...] = ()
     seconds: Mapping[str, float] = field(default_factory=dict)
-    notes: tuple[Message, ...] = field(default_factory=tuple, metadata=LATER)
+    notes: tuple[Message, ...] = field(default=(), metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -320,7 +320,7 @@ class Proof(FactsRepr):
     clearances: tuple[tuple[str, str, Floats], ...] = ()
     apart: tuple[tuple[str, str, Floats], ...] = ()
     zone: float = 0.0
-    speeds: tuple[SpeedBound, ...] = field(default_factory=tuple, metadata=LATER)
+    speeds: tuple[SpeedBound, ...] = field(default=(), metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -374,9 +374,9 @@ class PlanResult(FactsRepr):
     obstacles: tuple[Obstacle, ...] = ()
     planner: str = "rrtconnect"
     beside: "tuple[PlanResult, ...]" = ()
-    bound: float = field(default_factory=float, metadata=LATER)
-    row: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
-    row_ends: Message | None = field(default_factory=lambda: None, metadata=LATER)
+    bound: float = field(default=0.0, metadata=LATER)
+    row: tuple[Proven, ...] = field(default=(), metadata=LATER)
+    row_ends: Message | None = field(default=None, metadata=LATER)
 
     @property
     def is_proven(self) -> bool:

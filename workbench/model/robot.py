@@ -240,8 +240,8 @@ class ScanPosture:
 
     name: str
     q: Floats
-    bin: str = field(default_factory=str, metadata=LATER)
-    number: int = field(default_factory=int, metadata=LATER)
+    bin: str = field(default="", metadata=LATER)
+    number: int = field(default=0, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, q=frozen(self.q))
@@ -305,8 +305,8 @@ class ArmScanner:
     view: ScanPosture
     home: Floats
     housing: tuple[Solid, ...] = ()
-    other_views: tuple[ScanPosture, ...] = field(default_factory=tuple, metadata=LATER)
-    merges_views: bool = field(default_factory=bool, metadata=LATER)
+    other_views: tuple[ScanPosture, ...] = field(default=(), metadata=LATER)
+    merges_views: bool = field(default=False, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_flange_scanner=copy_pose(self.T_flange_scanner), home=frozen(self.home))

@@ -43,9 +43,9 @@ class Scan(FactsRepr):
     pixels: np.ndarray | None = None
     resolution: tuple[int, int] | None = None
     at: float = 0.0
-    colours: np.ndarray | None = field(default_factory=lambda: None, metadata=LATER)
-    joints: Mapping[str, float] | None = field(default_factory=lambda: None, metadata=LATER)
-    views: tuple[ScannedView, ...] = field(default_factory=tuple, metadata=LATER)
+    colours: np.ndarray | None = field(default=None, metadata=LATER)
+    joints: Mapping[str, float] | None = field(default=None, metadata=LATER)
+    views: tuple[ScannedView, ...] = field(default=(), metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -111,13 +111,13 @@ class Detection(FactsRepr):
     gap: float | None = None
     residual: float | None = None
     roll_known: bool = True
-    covariance: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    probability: float | None = field(default_factory=lambda: None, metadata=LATER)
-    roll_axis: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    T_world_found: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
-    by_colour: bool | None = field(default_factory=lambda: None, metadata=LATER)
-    placing: PlacingError | None = field(default_factory=lambda: None, metadata=LATER)
-    T_world_seen: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
+    covariance: Floats | None = field(default=None, metadata=LATER)
+    probability: float | None = field(default=None, metadata=LATER)
+    roll_axis: Floats | None = field(default=None, metadata=LATER)
+    T_world_found: pin.SE3 | None = field(default=None, metadata=LATER)
+    by_colour: bool | None = field(default=None, metadata=LATER)
+    placing: PlacingError | None = field(default=None, metadata=LATER)
+    T_world_seen: pin.SE3 | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.covariance is not None and np.shape(self.covariance) != (6, 6):
@@ -299,9 +299,9 @@ class Obstacle:
 
     T_world_box: pin.SE3
     size: Floats
-    part: str = field(default_factory=str, metadata=LATER)
-    T_world_put: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
-    seen: SeenBase | None = field(default_factory=lambda: None, metadata=LATER)
+    part: str = field(default="", metadata=LATER)
+    T_world_put: pin.SE3 | None = field(default=None, metadata=LATER)
+    seen: SeenBase | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
         size = frozen(self.size)

@@ -50,10 +50,8 @@ class Symmetry:
 
     axis: Floats = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     fold: int = 1
-    point: tuple[float, float, float] = field(
-        default_factory=lambda: (0.0, 0.0, 0.0), metadata=LATER
-    )
-    also: tuple[SymmetryAxis, ...] = field(default_factory=tuple, metadata=LATER)
+    point: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), metadata=LATER)
+    also: tuple[SymmetryAxis, ...] = field(default=(), metadata=LATER)
 
     def __post_init__(self) -> None:
         x, y, z = map(float, self.point)

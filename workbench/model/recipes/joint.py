@@ -44,7 +44,7 @@ class PlacingError:
 
     by_scanner: Floats
     covariance: Floats
-    believed: "PlacingError | None" = field(default_factory=lambda: None, metadata=LATER)
+    believed: "PlacingError | None" = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, by_scanner=frozen(self.by_scanner), covariance=frozen(self.covariance))
