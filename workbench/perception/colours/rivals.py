@@ -9,7 +9,7 @@ from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.perception.colours.painted import Painted
 from workbench.perception.localization.alternatives import is_better
 from workbench.perception.localization.assessment import FAR_BEHIND, refine_at_full_resolution
-from workbench.perception.localization.judging import PartSearch
+from workbench.perception.localization.choice import PartSearch
 from workbench.perception.matching.sightings import closeness, tally
 from workbench.perception.parts.part_surface import PartSurface
 

@@ -7,10 +7,9 @@ import numpy as np
 from workbench.model.geometry import Floats, frozen, put
 from workbench.perception.localization.alternatives import is_better, turn_by_outline, weights
 from workbench.perception.localization.certainty import count_shared
-from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
+from workbench.perception.localization.hypotheses import SAME_ANGLE, select_distinct
 from workbench.perception.localization.settling import is_constrained, refine_poses, roll_error
 from workbench.perception.matching.maps import DepthMap
-from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import (
     Sighting,
     closeness,
@@ -127,11 +126,14 @@ def assess(
     is_round = surface.symmetry.axis is not None
     # Where the roll is not known, all turns about the axis are one pose.
     flips = others[~is_turn][: 1 if is_round else MOST_SHARING]
-    sharing = _rested(depth_map, surface, pose, pose @ motions[flips], own, tolerance, FAR_BEHIND)
+    value = float(closeness(own[None])[0])
+    least = (1.0 - FAR_BEHIND) * value
+    sharing = _rested(depth_map, surface, pose, pose @ motions[flips], tolerance, least)
     if len(turns) > 0 and is_known:
         # A screw that is turned by a face of its head and shifted along its thread looks the same.
         nearest = _slid(depth_map, surface, pose @ motions[turns[:SHARING_TURNS]], tolerance)
-        rested = _rested(depth_map, surface, pose, nearest, own, tolerance, TURNED_FAR_BEHIND)
+        least = (1.0 - TURNED_FAR_BEHIND) * value
+        rested = _rested(depth_map, surface, pose, nearest, tolerance, least)
         is_known = is_better(own, rested)
         sharing = np.concatenate([sharing, rested, turned[SHARING_TURNS:]])
     return Assessment(
@@ -167,15 +169,7 @@ def _different(
 
 def _apart(surface: PartSurface, poses: Floats, order: np.ndarray) -> np.ndarray:
     """Which of the poses (k, 4, 4), the first in the order (k,) first, are turned otherwise."""
-    return distinct(
-        poses,
-        order,
-        surface.stated,
-        surface.fixed,
-        distance=np.inf,
-        angle=np.pi if surface.is_ball else SAME_ANGLE,
-        most=len(poses),
-    )
+    return select_distinct(surface, poses, order, distance=np.inf)
 
 
 def _slid(depth_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
@@ -193,17 +187,14 @@ def _rested(
     surface: PartSurface,
     pose: Floats,
     rivals: Floats,
-    own: Floats,
     tolerance: float,
-    far: float,
+    least: float,
 ) -> Floats:
-    """The tallies (m, 4) [px] of rivals (k, 4, 4) of a pose with a tally (4,), brought to rest.
+    """The tallies (m, 4) [px] of rivals (k, 4, 4) of a pose after their refinement.
 
-    Those that are seen less well by the share `far` are left out, and those that come to rest where
-    others are.
+    Rivals with a closeness below `least` [px] are left out, and those that end where others do.
     """
-    seen = closeness(tally(depth_map, surface, rivals, tolerance))
-    rivals = rivals[seen >= (1.0 - far) * closeness(own[None])[0]]
+    rivals = rivals[closeness(tally(depth_map, surface, rivals, tolerance)) >= least]
     rivals = refine_at_full_resolution(depth_map, surface, rivals, tolerance)
     both = np.concatenate([pose[None], rivals])
     rivals = both[_apart(surface, both, np.arange(len(both)))[1:]]
@@ -232,15 +223,7 @@ def _best_of(
 ) -> Floats:
     """The best of the poses (k, 4, 4), after polishing the few that look best."""
     glances = closeness(tally(coarse_map, surface, poses, tolerance))
-    kept = distinct(
-        poses,
-        np.argsort(-glances, kind="stable"),
-        surface.stated,
-        surface.fixed,
-        distance=SAME_DISTANCE * surface.diameter,
-        angle=np.pi if surface.is_ball else SAME_ANGLE,
-        most=RIVALS,
-    )
+    kept = select_distinct(surface, poses, np.argsort(-glances, kind="stable"), most=RIVALS)
     steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
     rough = refine_poses(coarse_map, surface, poses[kept], tolerance, steps[:3])
     values = closeness(tally(depth_map, surface, rough, tolerance))

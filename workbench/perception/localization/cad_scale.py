@@ -18,11 +18,11 @@ from scipy.ndimage import binary_erosion
 from workbench.model.geometry import Floats, frozen
 from workbench.model.scan import Objection, ScaleCheck
 from workbench.perception.localization.assessment import refine_at_full_resolution
-from workbench.perception.localization.choice import enough
-from workbench.perception.localization.judging import JudgedChoice, PartSearch, without
+from workbench.perception.localization.choice import PartSearch, enough
+from workbench.perception.localization.judging import JudgedChoice, without
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.registration import move, transformed
-from workbench.perception.matching.sightings import AGREEING, Drawing, look, predicted
+from workbench.perception.matching.sightings import AGREEING, Drawing, predicted
 from workbench.perception.parts.part_surface import PartSurface, resize_surface
 
 FIT_STEPS = 6
@@ -206,7 +206,7 @@ def fit_to_surface(
     """
     surface = search.surface
     poses = refine_at_full_resolution(search.depth_map, surface, poses, search.tolerance)
-    sightings = [look(search.depth_map, surface, pose, search.tolerance) for pose in poses]
+    sightings = [search.look(pose) for pose in poses]
     fallen = {
         i: Objection.TOO_LITTLE
         for i, sighting in enumerate(sightings)

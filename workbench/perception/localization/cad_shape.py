@@ -5,7 +5,6 @@ tried.  The one counts that the scan meets better, outlines included, if it does
 the CAD file.  The search goes on with that surface.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,9 +17,9 @@ from workbench.perception.localization.cad_scale import (
     fit_to_surface,
     scale_check,
 )
-from workbench.perception.localization.choice import Choice, Hypothesis
+from workbench.perception.localization.choice import Choice, Compete, Hypothesis, PartSearch
 from workbench.perception.localization.floor_contact import agree, shown_offsets, shown_scales
-from workbench.perception.localization.judging import JudgedChoice, PartSearch
+from workbench.perception.localization.judging import JudgedChoice
 from workbench.perception.localization.loosening import measure_explained
 from workbench.perception.localization.settling import refine_poses
 from workbench.perception.matching.poses import distinct
@@ -62,9 +61,6 @@ outlines too small, some too large."""
 LEAST_EXPLAINED = 0.5
 """Share of what lies in the bin that parts of a changed surface must explain."""
 
-Compete = Callable[[Sequence[PartSearch], Sequence[list[Hypothesis]]], None]
-"""Takes the hypotheses of each kind that hold together."""
-
 
 def allow_changes(found: list[PartSearch], compete: Compete) -> list[PartSearch]:
     """The searches with the surfaces that the scan shows, where CAD files have others.
@@ -76,10 +72,7 @@ def allow_changes(found: list[PartSearch], compete: Compete) -> list[PartSearch]
     changed = [_changed(search) for search in found]
     if all(search is before for search, before in zip(changed, found, strict=True)):
         return found
-    changed = [
-        replace(search, choice=Choice(np.full(search.depth_map.depth.size, -1), [], []))
-        for search in changed
-    ]
+    changed = [replace(search, choice=Choice.empty(search.depth_map)) for search in changed]
     compete(
         changed, [_again(search, before) for search, before in zip(changed, found, strict=True)]
     )
@@ -203,11 +196,7 @@ def _scaled(search: PartSearch, poses: Floats) -> PartSearch | None:
 
 def _good(search: PartSearch, poses: Floats) -> list[Floats]:
     """Of the poses (k, 4, 4), brought to rest, those (4, 4) that explain much of what they show."""
-    return [
-        pose
-        for pose in _rested(search, poses)
-        if look(search.depth_map, search.surface, pose, search.tolerance).score >= LEAST_SCORE
-    ]
+    return [pose for pose in _rested(search, poses) if search.look(pose).score >= LEAST_SCORE]
 
 
 def _closeness(search: PartSearch, poses: Floats) -> float:
@@ -262,13 +251,10 @@ def _stay(search: PartSearch, poses: Floats) -> Floats:
 
 def _again(search: PartSearch, before: PartSearch) -> list[Hypothesis]:
     """What was taken and what was rejected before, brought to rest with the surface of now."""
-    poses = np.array([each.pose for each in (*before.choice.chosen, *before.choice.rejected)])
+    poses = before.choice.poses
     if len(poses) == 0:
         return []
     if search.surface is not before.surface:
         poses = _roughly_rested(search, poses)
     poses = poses[search.are_possible(poses)]
-    return [
-        Hypothesis(pose, look(search.depth_map, search.surface, pose, search.tolerance))
-        for pose in poses
-    ]
+    return [search.hypothesis(pose) for pose in poses]
