@@ -40,7 +40,7 @@ def put(value: Any, **fields: Any) -> None:
 
 
 def copy_pose(T: pin.SE3) -> pin.SE3:
-    """A pose of one's own: SE3 is mutable, and a frozen dataclass does not protect it."""
+    """A copy of a pose: SE3 is mutable, and a frozen dataclass does not protect it."""
     # One sum is not finite when any number in it is not; this is called for every pose made.
     if not math.isfinite(float(T.homogeneous.sum())):
         raise InputError("a pose holds a value that is not a finite number")
@@ -50,6 +50,16 @@ def copy_pose(T: pin.SE3) -> pin.SE3:
 def shift_and_turn(T: pin.SE3) -> tuple[float, float]:
     """How far a motion shifts [m], and by how much it turns [rad]."""
     return float(np.linalg.norm(T.translation)), float(np.linalg.norm(pin.log3(T.rotation)))
+
+
+def motions_moved(by: Floats) -> Floats:
+    """The matrix (6, 6) that takes small motions at a point to those at one `by` (3,) [m] from it.
+
+    A small motion (6,) [m, rad] is the shift of its point, then a rotation.
+    """
+    matrix = np.eye(6)
+    matrix[:3, 3:] = -pin.skew(by)
+    return matrix
 
 
 def spread_directions(count: int) -> Floats:

@@ -17,7 +17,6 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.model.scan import Detection, Scan
 from workbench.perception.bins.bin_check import check_bin
-from workbench.perception.calibration.plate_poses import crosses
 from workbench.perception.views.surfaces import add_solids, add_surface, triangles_of
 
 Kind = Literal["bin", "fixture", "part"]
@@ -112,7 +111,7 @@ def put_slopes(
     moved = T_world_put * T_world_found.inverse()
     moved = to_world.actInv(moved * to_world)
     carried = np.kron(np.eye(2), moved.rotation)
-    carried[:3, 3:] = crosses(moved.translation[None])[0] @ moved.rotation
+    carried[:3, 3:] = pin.skew(moved.translation) @ moved.rotation
     kept = _at(T_world_found.translation - middle, keeps)
     rest = _at(T_world_put.translation - middle, LYING)
     return -(np.eye(6) - rest @ carried @ kept)
@@ -182,7 +181,7 @@ def motion_of(step: Floats, point: Floats) -> pin.SE3:
 def moved_to(by: Floats) -> Floats:
     """Motions at a point, as motions at one that is `by` (3,) [m] from it, (6, 6)."""
     found = np.eye(6)
-    found[:3, 3:] = -crosses(by[None])[0]
+    found[:3, 3:] = -pin.skew(by)
     return found
 
 

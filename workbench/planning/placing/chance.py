@@ -1,4 +1,4 @@
-"""How far a part comes to lie from where it shall, and how often that is near enough."""
+"""Distance of a placed part from its target pose, and the chance that it is within tolerance."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,10 +12,10 @@ from workbench.model.symmetry import BALL, ROUND, SAME_TURN
 from workbench.planning.collision.unknown_rolls import axis_of
 
 DRAWS = 20_000
-"""Errors that stand for all."""
+"""Random errors drawn for a distribution."""
 
 CONFIDENCE = 0.95
-"""Of this many picks the part lies within what is reported."""
+"""Confidence level of the reported placing error."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
