@@ -40,7 +40,7 @@ def picks(world) -> list[Pick]:
 
 def test_out_of_time_is_reported_though_an_earlier_grasp_has_no_path(world, picks, monkeypatch):
     answers = iter([Verdict(Reason.NO_PATH, Stage.ROUTE), LATE])
-    monkeypatch.setattr(assign, "_alike", lambda *arguments, **names: [picks[:1], picks[1:2]])
+    monkeypatch.setattr(assign, "_similar_picks", lambda *_, **names: [picks[:1], picks[1:2]])
     monkeypatch.setattr(assign, "_route", lambda *arguments, **names: next(answers))
     plans, verdict = plan_first_feasible(
         world, picks, "alternated", threshold=0.1, scan_digest="s", seed=0, cancelled=never

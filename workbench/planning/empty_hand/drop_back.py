@@ -133,7 +133,7 @@ def _lift(world: World, arm: Arm, q: Floats) -> Floats | Verdict:
         if met is None:
             return path
         contact, at, _ = met
-        refusal = Verdict(Reason.IN_COLLISION, Stage.ROUTE, contact.pair, contact.distance, at)
+        refusal = contact.refuse(Reason.IN_COLLISION, Stage.ROUTE, at)
         break
     return _with_leg(world, arm, refusal, "lift")
 
@@ -144,7 +144,7 @@ def _contact_while_carrying(world: World, arm: Arm, q: Floats) -> Verdict | None
     contact = world.contact(world.configuration({arm.name: q}))
     if contact is None:
         return None
-    return Verdict(Reason.IN_COLLISION, Stage.ROUTE, contact.pair, contact.distance, q)
+    return contact.refuse(Reason.IN_COLLISION, Stage.ROUTE, q)
 
 
 def _free(

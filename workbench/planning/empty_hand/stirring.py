@@ -188,7 +188,7 @@ def _follow_clear(
         found = path_contact(world, columns, base, np.vstack([path[-2:-1], way]))
         if found is not None:
             contact, at, _ = found
-            return Verdict(Reason.IN_COLLISION, Stage.ROUTE, contact.pair, contact.distance, at)
+            return contact.refuse(Reason.IN_COLLISION, Stage.ROUTE, at)
         path = np.vstack([path[:-1], way])
     return path
 

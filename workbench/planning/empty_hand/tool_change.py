@@ -187,15 +187,13 @@ def _visits(
             if deep is not None:
                 # So it is in every posture.
                 note = VerdictNote.DEEP_IN_SLOT(most=DEEPEST_IN_SLOT)
-                measured = deep.pair, deep.distance, q_slot
-                yield Verdict(Reason.IN_COLLISION, Stage.ROUTE, *measured, note)
+                yield deep.refuse(Reason.IN_COLLISION, Stage.ROUTE, q_slot, note)
                 return
             columns = world.kinematics.columns[name]
             met = path_contact(world, columns, world.configuration({}), path)
             if met is not None:
                 contact, at, _ = met
-                measured = contact.pair, contact.distance, at
-                refusal = Verdict(Reason.IN_COLLISION, Stage.ROUTE, *measured)
+                refusal = contact.refuse(Reason.IN_COLLISION, Stage.ROUTE, at)
                 break
             paths.append(path)
         if len(paths) == len(ways):

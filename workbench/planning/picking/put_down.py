@@ -174,8 +174,7 @@ def _straight(
         if met is None:
             yield path
         else:
-            pair, distance = met[0].pair, met[0].distance
-            yield Verdict(Reason.NO_PLACE, Stage.PLACE, pair, distance, met[1])
+            yield met[0].refuse(Reason.NO_PLACE, Stage.PLACE, met[1])
 
 
 def _refuse_there(world: World, phase: LegPhase, arm: Arm, T_world_tcp: pin.SE3) -> Verdict | None:
@@ -267,7 +266,7 @@ def find_configurations_at_places(
             if contact is None:
                 near.append(q)
             else:
-                met.append(Verdict(Reason.NO_PLACE, Stage.PLACE, contact.pair, contact.distance, q))
+                met.append(contact.refuse(Reason.NO_PLACE, Stage.PLACE, q))
         if near:
             return PlaceConfigurations(near, None)
     if ways == 0:
@@ -283,9 +282,9 @@ def find_configurations_at_places(
 
 
 def put_down(world: World, pick: Pick, others: LegPhase) -> PutDown | Verdict:
-    """A way to a place and out of there, beside what other arms have placed.
+    """The motions to a place and out of it, clear of what other arms have placed.
 
-    That of the pick comes first.
+    The motion of the pick is tried first.
 
     Args:
         world: of the cell and the detections that the pick was made from.
@@ -359,7 +358,7 @@ def _find_contact(world: World, arm: Arm, path: Floats) -> Verdict | None:
     if found is None:
         return None
     contact, q, _ = found
-    return Verdict(Reason.NO_PLACE, Stage.PLACE, contact.pair, contact.distance, q)
+    return contact.refuse(Reason.NO_PLACE, Stage.PLACE, q)
 
 
 def _way_out(world: World, pick: Pick, arm: Arm, phase: LegPhase, down: Floats) -> Floats | Verdict:
@@ -394,7 +393,5 @@ def _way_out(world: World, pick: Pick, arm: Arm, phase: LegPhase, down: Floats) 
             continue
         contact, q, _ = found
         note = VerdictNote.ON_RETREAT()
-        refusal = refusal or Verdict(
-            Reason.NO_PLACE, Stage.PLACE, contact.pair, contact.distance, q, note
-        )
+        refusal = refusal or contact.refuse(Reason.NO_PLACE, Stage.PLACE, q, note)
     return refusal or Verdict(Reason.NO_PLACE, Stage.PLACE)

@@ -140,8 +140,7 @@ def arm_plan(
         found = along_placed(world, arm.name, np.asarray(plan.leg(name).q))
         if found is not None:
             contact, q = found
-            reason = STRAIGHT_REASONS[name]
-            return Verdict(reason, Stage.ROUTE, contact.pair, contact.distance, q)
+            return contact.refuse(STRAIGHT_REASONS[name], Stage.ROUTE, q)
     home = home_of(world, arm)
     seeds = np.random.SeedSequence([seed, plan.detection, ord(arm.controller_id)])
     rng = np.random.default_rng(seeds)
@@ -268,8 +267,7 @@ def free_path(
     for q in (lead[-1], goal):
         contact = world.contact(world.configuration({arm.name: q}))
         if contact is not None:
-            note = VerdictNote.AT_END()
-            return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q, note)
+            return contact.refuse(Reason.NO_PATH, Stage.ROUTE, q, VerdictNote.AT_END())
     chain = world.chains[arm.name]
     query = PathQuery(
         curve_check(world, columns, base),
