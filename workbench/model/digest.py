@@ -40,7 +40,7 @@ class Shared:
 
 
 class FactsRepr:
-    """A value that says what it is in a line, and as a table in a notebook.
+    """A value with a summary in one line, and as a table in a notebook.
 
     The dataclass that derives from it is made with `repr=False`: all fields of a cell fill a book.
     """

@@ -137,7 +137,7 @@ class GraspPair:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraspLibrary:
-    """All grasps of a part, as authored: single ones and patterns.
+    """All grasps of a part, as authored: single grasps and patterns.
 
     `pairs`: if there are any, two arms take parts of this kind only by these pairs.
     `searches`: if no grasp takes a part, a planning searches all grips of the tools.

@@ -45,7 +45,7 @@ class Vote:
 
     @property
     def manner(self) -> Manner:
-        """What a vote has to share with another one to count beside it."""
+        """What two votes must have in common to count together."""
         return self.speed_share, self.is_stepped
 
 

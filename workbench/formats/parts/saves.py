@@ -1,4 +1,4 @@
-"""A part's grasps kept: saved with a remark as a version of its own, and a draft until then.
+"""A part's grasps in files: versions saved with a remark, and a draft until then.
 
 Beside `grasps.toml` lie `versions/0001.toml` and so on, what was saved each time; `changes.log`
 says of each who saved it, when, and why; `grasps.draft.toml` is there while there are changes
@@ -174,7 +174,7 @@ def drop_draft(folder: Path) -> None:
 
 
 def _stated_besides(symmetry: Symmetry) -> dict[str, list[Any]]:
-    """What a file says of a symmetry beside its main axis; empty where it says nothing."""
+    """The keys of a symmetry besides its main axis; empty without any."""
     also = [{"axis": shorts(axis.axis, 6), "fold": axis.fold} for axis in symmetry.also]
     point = shorts(1000 * np.array(symmetry.point), 4) if any(symmetry.point) else []
     return {"point_mm": point, "also": also}

@@ -6,7 +6,7 @@ A file holds one set, for one robot whose URDF and SRDF lie beside it under the 
 left out.  Obstacles are `{name, shape, dimensions, object_pose, pose}` with lengths in m: of a box
 its full lengths x, y, z, of a cylinder its height and radius, of a sphere its radius.  The pose of
 a shape is `object_pose`, which may be null or left out, times `pose`, each `{position, orientation:
-x y z w}`.  Keys beside these are passed over.
+x y z w}`.  Other keys are ignored.
 
 The shapes and dimensions are those of ROS (shape_msgs/SolidPrimitive); scenes like these are in
 MotionBenchMaker (Chamzas et al., IEEE Robotics and Automation Letters 7(2), 2022).
