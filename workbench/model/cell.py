@@ -10,7 +10,7 @@ import pinocchio as pin
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.digest import LATER, FactsRepr, called, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, Solid, copy_pose, frozen, put
+from workbench.model.geometry import Floats, Solid, copy_pose, own, put
 from workbench.model.messages.cells import CellText
 from workbench.model.motion import MotionModel
 from workbench.model.part import Bin, Part, PartPlace, Station
@@ -36,7 +36,7 @@ class Finger:
     direction: Floats
 
     def __post_init__(self) -> None:
-        put(self, direction=frozen(self.direction))
+        own(self, "direction")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,11 +64,7 @@ class Tool:
     tcp: str = field(default="", metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_flange_tcp=copy_pose(self.T_flange_tcp))
-        if self.centre_of_gravity is not None:
-            put(self, centre_of_gravity=frozen(self.centre_of_gravity))
-        if self.inertia is not None:
-            put(self, inertia=frozen(self.inertia))
+        own(self, "T_flange_tcp", "centre_of_gravity", "inertia")
 
     @property
     def reach(self) -> float:
@@ -121,11 +117,9 @@ class Arm:
     tool_slots: tuple[ToolSlot, ...] = field(default=(), metadata=LATER)
 
     def __post_init__(self) -> None:
+        own(self, "home", "acceleration", "jerk")
         put(
             self,
-            home=frozen(self.home),
-            acceleration=frozen(self.acceleration),
-            jerk=None if self.jerk is None else frozen(self.jerk),
             Ts_world_place=tuple(copy_pose(T) for T in self.Ts_world_place),
             part_places=tuple(self.part_places),
         )
@@ -154,7 +148,7 @@ class Fixture:
     solids: tuple[Solid, ...]
 
     def __post_init__(self) -> None:
-        put(self, T_world_fixture=copy_pose(self.T_world_fixture))
+        own(self, "T_world_fixture")
 
 
 Z_FORWARD = "z_forward"
@@ -193,7 +187,8 @@ class ScannerMount:
     on_arm: ArmScanner | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_scanner=copy_pose(self.T_world_scanner), options=dict(self.options))
+        own(self, "T_world_scanner")
+        put(self, options=dict(self.options))
 
     def housing_of(self, arm: str) -> tuple[Solid, ...]:
         """What an arm carries of the scanner, in its flange's frame; nothing where it stands."""
@@ -331,7 +326,7 @@ class Cell(FactsRepr):
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        put(self, T_world_robot=copy_pose(self.T_world_robot))
+        own(self, "T_world_robot")
         if (carrier := self.scanner.on_arm) is not None:
             T = carrier.T_world_scanner(self.T_world_robot, self.robot, carrier.view.q)
             put(self, scanner=replace(self.scanner, T_world_scanner=T))

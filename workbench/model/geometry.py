@@ -39,6 +39,18 @@ def put(value: Any, **fields: Any) -> None:
         object.__setattr__(value, name, item)
 
 
+def own(value: Any, *names: str) -> None:
+    """Replace fields of a frozen dataclass by copies of its own (in `__post_init__` only).
+
+    Poses are copied and arrays made read-only (`float64`); None stays.
+    """
+    for name in names:
+        field = getattr(value, name)
+        if field is not None:
+            copy = copy_pose(field) if isinstance(field, pin.SE3) else frozen(field)
+            object.__setattr__(value, name, copy)
+
+
 def copy_pose(T: pin.SE3) -> pin.SE3:
     """A copy of a pose: SE3 is mutable, and a frozen dataclass does not protect it."""
     # One sum is not finite when any number in it is not; this is called for every pose made.
@@ -116,7 +128,7 @@ class Box:
     kind: Literal["box"] = field(default="box", init=False)
 
     def __post_init__(self) -> None:
-        put(self, size=frozen(self.size))
+        own(self, "size")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -196,7 +208,7 @@ class Solid:
     colour: tuple[float, float, float] = (0.7, 0.7, 0.72)
 
     def __post_init__(self) -> None:
-        put(self, T_owner_shape=copy_pose(self.T_owner_shape))
+        own(self, "T_owner_shape")
 
     @property
     def reach(self) -> float:

@@ -24,8 +24,7 @@ from workbench.model.geometry import (
     Solid,
     Sphere,
     finest,
-    frozen,
-    put,
+    own,
 )
 from workbench.model.messages.cells import LoadText
 from workbench.model.messages.message import Message
@@ -50,7 +49,7 @@ class Load:
     inertia: Floats
 
     def __post_init__(self) -> None:
-        put(self, centre=frozen(self.centre), inertia=frozen(self.inertia))
+        own(self, "centre", "inertia")
         if problem := load_problem(self.mass, self.centre, self.inertia):
             raise InputError(LoadText.IMPOSSIBLE(problem=problem))
 

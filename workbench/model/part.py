@@ -14,8 +14,8 @@ from workbench.model.geometry import (
     Floats,
     Mesh,
     Solid,
-    copy_pose,
     frozen,
+    own,
     pose_from_rpy,
     put,
 )
@@ -57,12 +57,7 @@ class Grasp:
     tcp: str = field(default="", metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            T_part_tcp=copy_pose(self.T_part_tcp),
-            approach=frozen(self.approach),
-            retreat=None if self.retreat is None else frozen(self.retreat),
-        )
+        own(self, "T_part_tcp", "approach", "retreat")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +78,7 @@ class GraspPattern:
     across_offsets: tuple[float, ...] = (0.0,)
 
     def __post_init__(self) -> None:
-        put(self, axis=frozen(self.axis), through=frozen(self.through), across=frozen(self.across))
+        own(self, "axis", "through", "across")
 
     @property
     def name(self) -> str:
@@ -203,7 +198,7 @@ class PartPlace:
     centred: tuple[float, float] | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_part=copy_pose(self.T_world_part))
+        own(self, "T_world_part")
 
     def is_for(self, part: str) -> bool:
         """Whether parts of that kind may lie there."""
@@ -224,7 +219,7 @@ class Station:
     fixture: str = ""
 
     def __post_init__(self) -> None:
-        put(self, T_base_station=copy_pose(self.T_base_station), size=frozen(self.size))
+        own(self, "T_base_station", "size")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -240,7 +235,7 @@ class Region:
     size: Floats
 
     def __post_init__(self) -> None:
-        put(self, T_bin_region=copy_pose(self.T_bin_region), size=frozen(self.size))
+        own(self, "T_bin_region", "size")
 
     def near(self, p_bin: Floats, by: float = 0.0) -> Bools:
         """Which points (n, 3) [m] in the bin's frame are in it, or beside by so much [m]."""
@@ -269,7 +264,7 @@ class Bin:
     p_world_drop: tuple[float, ...] | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_bin=copy_pose(self.T_world_bin), size=frozen(self.size))
+        own(self, "T_world_bin", "size")
 
     def gives(self, part: "Part", T_world_part: pin.SE3) -> bool:
         """Whether a part may be taken where it lies: by its middle, within the regions if any.

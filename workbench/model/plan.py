@@ -13,7 +13,7 @@ from workbench.model.candidate import Candidate, FoundGrip, Verdict
 from workbench.model.cell import ARM_NAME
 from workbench.model.digest import LATER, FactsRepr, called, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copy_pose, frozen, put
+from workbench.model.geometry import Floats, frozen, own, put
 from workbench.model.load import Loads
 from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message, plain
@@ -100,7 +100,8 @@ class Leg:
     t: Floats
 
     def __post_init__(self) -> None:
-        put(self, opening=float(self.opening), q=frozen(self.q), t=frozen(self.t))
+        own(self, "q", "t")
+        put(self, opening=float(self.opening))
 
     @property
     def seconds(self) -> float:
@@ -142,7 +143,7 @@ class ArmPlan:
     held: str = field(default="", metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_tcp_part=copy_pose(self.T_tcp_part))
+        own(self, "T_tcp_part")
 
     @property
     def takes_part(self) -> bool:
@@ -283,7 +284,7 @@ class Violation:
     q: Floats | None = None
 
     def __post_init__(self) -> None:
-        put(self, q=None if self.q is None else frozen(self.q))
+        own(self, "q")
 
     @property
     def message(self) -> Message:

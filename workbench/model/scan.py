@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.model.digest import LATER, FactsRepr, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copy_pose, frozen, put
+from workbench.model.geometry import Floats, frozen, own, put
 from workbench.model.messages.calibration import ObjectionText, ScaleText, ScanText
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.recipes.joint import PlacingError
@@ -62,10 +62,10 @@ class Scan(FactsRepr):
             )
         if self.views and sum(view.count for view in self.views) != len(points):
             raise InputError(ScanText.VIEWS(points=len(points)))
+        own(self, "T_world_scanner")
         put(
             self,
             points=points,
-            T_world_scanner=copy_pose(self.T_world_scanner),
             pixels=None if self.pixels is None else frozen(self.pixels, np.int32),
             colours=None if self.colours is None else frozen(self.colours, np.uint8),
             joints=None if self.joints is None else dict(self.joints),
@@ -129,18 +129,14 @@ class Detection(FactsRepr):
                 raise InputError(ScanText.ROLL_AXIS())
             if not np.isfinite(axis).all():
                 raise InputError(ScanText.ROLL_POINT())
+        own(self, "T_world_part", "covariance", "roll_axis", "T_world_found", "T_world_seen")
         put(
             self,
-            T_world_part=copy_pose(self.T_world_part),
             score=float(self.score),
             visible=float(self.visible),
             gap=None if self.gap is None else float(self.gap),
             residual=None if self.residual is None else float(self.residual),
-            covariance=None if self.covariance is None else frozen(self.covariance),
             probability=None if self.probability is None else float(self.probability),
-            roll_axis=None if self.roll_axis is None else frozen(self.roll_axis),
-            T_world_found=None if self.T_world_found is None else copy_pose(self.T_world_found),
-            T_world_seen=None if self.T_world_seen is None else copy_pose(self.T_world_seen),
         )
 
     @property
@@ -194,7 +190,8 @@ class RejectedHypothesis:
     rival: int | None = None
 
     def __post_init__(self) -> None:
-        put(self, T_world_part=copy_pose(self.T_world_part), score=float(self.score))
+        own(self, "T_world_part")
+        put(self, score=float(self.score))
 
     @property
     def words(self) -> Message:
@@ -309,12 +306,8 @@ class Obstacle:
             raise InputError(ScanText.OBSTACLE_SIZE())
         if bool(self.part) != (self.T_world_put is not None) or (self.seen and not self.part):
             raise InputError(ScanText.PALLET_PART())
-        put(
-            self,
-            T_world_box=copy_pose(self.T_world_box),
-            size=size,
-            T_world_put=None if self.T_world_put is None else copy_pose(self.T_world_put),
-        )
+        own(self, "T_world_box", "T_world_put")
+        put(self, size=size)
 
 
 @dataclass(frozen=True, slots=True)

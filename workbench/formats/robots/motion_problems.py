@@ -25,7 +25,7 @@ from workbench.formats.files.toml_keys import Table, quote
 from workbench.formats.files.whole_files import is_file
 from workbench.formats.robots.urdf import read_srdf, read_urdf
 from workbench.model.errors import InputError
-from workbench.model.geometry import Box, Cylinder, Floats, Shape, Solid, Sphere, frozen, put
+from workbench.model.geometry import Box, Cylinder, Floats, Shape, Solid, Sphere, own
 from workbench.model.robot import Joint, Robot
 
 FORMAT = "motion-problems/1"
@@ -58,7 +58,7 @@ class MotionProblem:
     obstacles: tuple[Solid, ...]
 
     def __post_init__(self) -> None:
-        put(self, start=frozen(self.start), goal=frozen(self.goal))
+        own(self, "start", "goal")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

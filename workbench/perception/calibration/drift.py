@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtr
 
-from workbench.model.geometry import Bools, Floats, Ints, frozen, put
+from workbench.model.geometry import Bools, Floats, Ints, frozen, own, put
 from workbench.perception.calibration.things import Kind, ThingSighting
 
 DAY = 86400.0
@@ -74,8 +74,7 @@ class DriftHistory:
     is_significant: Bools
 
     def __post_init__(self) -> None:
-        for name in ("moved", "change", "deviation", "freedom"):
-            put(self, **{name: frozen(getattr(self, name))})
+        own(self, "moved", "change", "deviation", "freedom")
         put(
             self,
             days=frozen(self.days, np.int64),

@@ -14,7 +14,7 @@ import open3d as o3d
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, own
 from workbench.model.scan import Detection, Scan
 from workbench.perception.bins.bin_check import check_bin
 from workbench.perception.views.surfaces import add_solids, add_surface, triangles_of
@@ -71,12 +71,7 @@ class ThingSighting:
     slopes: Floats = field(default_factory=lambda: -np.eye(6))
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            off=frozen(self.off),
-            information=frozen(self.information),
-            slopes=frozen(self.slopes),
-        )
+        own(self, "off", "information", "slopes")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, own
 from workbench.model.scan import Objection, Scan
 from workbench.perception.colours.light import SPREAD, UNLIKE, are_unlike, distances, spread
 from workbench.perception.colours.painted import (
@@ -52,7 +52,7 @@ class SeenPart:
     table: Floats | None
 
     def __post_init__(self) -> None:
-        put(self, paints=frozen(self.paints))
+        own(self, "paints")
 
     def misses(self) -> Floats:
         """Mean squared distance (g, l) of each guess under each light."""

@@ -10,7 +10,7 @@ import open3d as o3d
 import pinocchio as pin
 from numba import njit
 
-from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, own
 from workbench.model.part import Bin, Part
 from workbench.model.scan import Objection
 from workbench.perception.bins.bin_fit import SeenBin, inside_by
@@ -50,7 +50,7 @@ class Hypothesis:
     sighting: Sighting
 
     def __post_init__(self) -> None:
-        put(self, pose=frozen(self.pose))
+        own(self, "pose")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +66,7 @@ class Rejection:
     rival: int | None = None
 
     def __post_init__(self) -> None:
-        put(self, pose=frozen(self.pose))
+        own(self, "pose")
 
 
 @dataclass(slots=True)

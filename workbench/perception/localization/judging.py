@@ -38,13 +38,13 @@ class JudgedChoice:
 
 def judge_choices(searches: Sequence[PartSearch]) -> list[JudgedChoice]:
     """The choices of all kinds without what does not stand beside the others."""
-    areas = _areas(searches)
+    areas = _explained_areas(searches)
     names = sorted(areas)
-    objections = dict.fromkeys(_outdone(searches, areas), Objection.OUTDONE)
+    objections = dict.fromkeys(_find_outdone(searches, areas), Objection.OUTDONE)
 
     def others(k: int, i: int) -> Bools:
         """The pixels of kind `k`'s maps that parts explain which stand, but the `i`-th of them."""
-        return _covered(searches, areas, k, {(k, i), *objections})
+        return _cover_pixels(searches, areas, k, {(k, i), *objections})
 
     while True:
         ratios = {
@@ -84,7 +84,7 @@ def judge_choices(searches: Sequence[PartSearch]) -> list[JudgedChoice]:
     ]
 
 
-def _outdone(
+def _find_outdone(
     searches: Sequence[PartSearch], areas: Mapping[tuple[int, int], Mapping[int, np.ndarray]]
 ) -> list[tuple[int, int]]:
     """Parts in whose place one of another kind stands for which more speaks, by kind and number.
@@ -103,7 +103,7 @@ def _outdone(
     evidence = {
         (k, i): searches[k].depth_map.pitch ** 2
         * len(areas[k, i][k])
-        * _ratio(searches[k], i, _covered(searches, areas, k, set().union(*rivals)))
+        * _ratio(searches[k], i, _cover_pixels(searches, areas, k, set().union(*rivals)))
         for k, i in areas
         if (rivals := [pair for pair in shared if (k, i) in pair])
     }
@@ -132,7 +132,7 @@ def _ratio(search: PartSearch, i: int, others: Bools) -> float:
     )
 
 
-def _covered(
+def _cover_pixels(
     searches: Sequence[PartSearch],
     areas: Mapping[tuple[int, int], Mapping[int, np.ndarray]],
     k: int,
@@ -159,7 +159,7 @@ def doubted_apart(search: PartSearch) -> tuple[PartSearch, list[Hypothesis]]:
         for part, is_kept in zip(chosen, kept, strict=True)
         if not is_kept
     ]
-    return replace(search, choice=_only(search.choice, kept)), doubted
+    return replace(search, choice=_keep_only(search.choice, kept)), doubted
 
 
 def taken_by_others(searches: Sequence[PartSearch]) -> list[Bools]:
@@ -182,7 +182,9 @@ def taken_by_others(searches: Sequence[PartSearch]) -> list[Bools]:
     return taken
 
 
-def _areas(searches: Sequence[PartSearch]) -> dict[tuple[int, int], dict[int, np.ndarray]]:
+def _explained_areas(
+    searches: Sequence[PartSearch],
+) -> dict[tuple[int, int], dict[int, np.ndarray]]:
     """For each part chosen, by kind and number, the pixels it explains in the maps of each kind.
 
     Kinds of which nothing was chosen are left out: most of a library.
@@ -204,7 +206,7 @@ def _areas(searches: Sequence[PartSearch]) -> dict[tuple[int, int], dict[int, np
 
 def without(choice: Choice, objections: Mapping[int, Objection]) -> Choice:
     """The choice without those of its parts, by their number, that something is said against."""
-    left = _only(choice, [i not in objections for i in range(len(choice.chosen))])
+    left = _keep_only(choice, [i not in objections for i in range(len(choice.chosen))])
     left.rejected += [
         Rejection(choice.chosen[i].pose, choice.chosen[i].sighting, why)
         for i, why in sorted(objections.items())
@@ -212,7 +214,7 @@ def without(choice: Choice, objections: Mapping[int, Objection]) -> Choice:
     return left
 
 
-def _only(choice: Choice, kept: Sequence[bool]) -> Choice:
+def _keep_only(choice: Choice, kept: Sequence[bool]) -> Choice:
     """The choice with those of its parts that are kept."""
     place = np.where(kept, np.cumsum(kept, dtype=np.int64) - 1, -1)
     rejected = [

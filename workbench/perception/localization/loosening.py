@@ -59,10 +59,10 @@ def relax_tolerance(found: list[PartSearch], compete: Compete) -> list[PartSearc
     strict = measure_explained(found)
     if strict >= DOUBTFUL:
         return found
-    loose = [_loose(search) for search in found]
+    loose = [_loosen(search) for search in found]
     compete(
         loose,
-        [_again(search, before) for search, before in zip(loose, found, strict=True)],
+        [_restart(search, before) for search, before in zip(loose, found, strict=True)],
     )
     loose = [
         search if _bends_alike(search) else before
@@ -100,7 +100,7 @@ def measure_explained(
     return float(np.count_nonzero(covered & lying)) / max(int(np.count_nonzero(lying)), 1)
 
 
-def _loose(search: PartSearch) -> PartSearch:
+def _loosen(search: PartSearch) -> PartSearch:
     tolerance = LOOSER_BY * search.tolerance
     return replace(
         search,
@@ -120,7 +120,7 @@ def _bends_alike(search: PartSearch) -> bool:
     return slope is None or slope >= LEAST_SLOPE
 
 
-def _again(search: PartSearch, before: PartSearch) -> list[Hypothesis]:
+def _restart(search: PartSearch, before: PartSearch) -> list[Hypothesis]:
     """What was taken and what was rejected before, brought to rest anew."""
     surface, poses = search.surface, before.choice.poses
     if len(poses) == 0:

@@ -12,7 +12,7 @@ from workbench.model.candidate import Candidate
 from workbench.model.cell import Cell, Tool
 from workbench.model.derived.assembling import insertion_of
 from workbench.model.derived.by_tcp import by_taking
-from workbench.model.geometry import Floats, frozen, motions_moved, put
+from workbench.model.geometry import Floats, frozen, motions_moved, own
 from workbench.model.messages.grasps import BudgetText
 from workbench.model.messages.message import Message
 from workbench.model.part import Part, PartPlace
@@ -85,7 +85,7 @@ class Budget:
     believed_chance: float | None = None
 
     def __post_init__(self) -> None:
-        put(self, covariance=frozen(self.covariance), R_part_hand=frozen(self.R_part_hand))
+        own(self, "covariance", "R_part_hand")
 
     def chance_at(self, place: PartPlace) -> float:
         """The chance, 0..1, that the part lies within the tolerances of a place."""

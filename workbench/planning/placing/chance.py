@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, frozen, own, put
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection
 from workbench.model.symmetry import BALL, ROUND, SAME_TURN
@@ -31,7 +31,8 @@ class Counted:
 
     def __post_init__(self) -> None:
         _, sizes, across = np.linalg.svd(self.free.reshape(-1, 3), full_matrices=False)
-        put(self, point=frozen(self.point), free=frozen(across[sizes > 1e-9]))
+        own(self, "point")
+        put(self, free=frozen(across[sizes > 1e-09]))
 
     def off(self, errors: Floats) -> tuple[Floats, Floats]:
         """How far the part is shifted (n,) [m] and turned (n,) [rad].
