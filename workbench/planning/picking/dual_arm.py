@@ -31,10 +31,10 @@ from workbench.planning.collision.legs import HOLDING, LEAVING, Run, lead_of, ph
 from workbench.planning.collision.motion import Curves, bound_curves, chain_contact
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import pace_of
+from workbench.planning.picking.leaving import along_placed
 from workbench.planning.picking.order import Cost
 from workbench.planning.picking.route import (
     MOTIONS,
-    along_placed,
     arm_plan,
     hand_of,
     keep_upright,

@@ -14,7 +14,6 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.message import all_of
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.scan import Detection
-from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.hands import turns_of
 from workbench.planning.collision.legs import (
     approach_phase,
@@ -22,7 +21,7 @@ from workbench.planning.collision.legs import (
     holding_phase,
     placing_phase,
 )
-from workbench.planning.collision.motion import path_contact
+from workbench.planning.collision.motion import arm_contact
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.part_ways import Caught
 from workbench.planning.collision.world import World
@@ -101,11 +100,6 @@ class _Attempt:
     def at(self, q: Floats) -> Floats:
         """The whole configuration (nq,) with the arm at `q` (n,) [rad]."""
         return self.world.configuration({self.arm.name: q})
-
-    def find_contact(self, path: Floats) -> tuple[Contact, Floats, int] | None:
-        """The first contact on a path (m, n) [rad], in the world's present phase."""
-        columns = self.world.kinematics.columns[self.arm.name]
-        return path_contact(self.world, columns, self.world.configuration({}), path)
 
 
 def _find_best(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
@@ -309,7 +303,7 @@ def _approach(attempt: _Attempt, q_grasp: Floats, T_world_tcp: pin.SE3) -> Float
     path = world.motion.rounded(backwards[::-1])
     path[-1] = q_grasp
     world.enter(approach_phase(candidate, arm))
-    found = attempt.find_contact(path)
+    found = arm_contact(world, arm.name, path)
     if found is None:
         world.enter(LegPhase(frozenset({arm.name}), {arm.name: grasp.opening}))
         q = path[0]
@@ -338,10 +332,10 @@ def _extract(
     sunk = world.allow_start_contacts(attempt.at(q_grasp))
     if sunk is not None:
         return sunk.refuse(Reason.IN_COLLISION, Stage.EXTRACT, q_grasp, VerdictNote.TOO_DEEP())
-    found = attempt.find_contact(path)
+    found = arm_contact(world, arm.name, path)
     if found is None:
         with world.at_full_margins():
-            found = attempt.find_contact(_beyond(chain, path, policy.release))
+            found = arm_contact(world, arm.name, _beyond(chain, path, policy.release))
     if found is None:
         world.enter(holding_phase(candidate, arm, T_tcp_part, straight=False))
         q = path[-1]
