@@ -109,7 +109,7 @@ def known(information: Floats) -> Bools:
 
 
 def estimated(sightings: Sequence[ThingSighting]) -> DriftEstimate:
-    """The motion of the scanner that sightings tell by least squares, and how sure it is.
+    """The motion of the scanner by least squares over sightings, with its information.
 
     Their own information says how directions compare; how large their errors are is taken from
     what they leave over, where there are enough of them.

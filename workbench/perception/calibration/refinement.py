@@ -1,4 +1,4 @@
-"""What is to be said of a scanner that may have drifted, and its pose by all that is known.
+"""Whether a scanner has drifted, and its pose from all measurements.
 
 A bin can be moved by people.  So it never says that the scanner has drifted: fixtures do, which
 belong to the robot's world, and parts that the robot has put down.  What is known of the pose (the

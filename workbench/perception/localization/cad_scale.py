@@ -164,7 +164,7 @@ def _pair(
     off = np.sum(n * rays, axis=1) * (depth - shown[j, i])
     agrees = np.sum(n * seen.normals[v, u], axis=1) > AGREEING
     on = (depth > 0) & (np.abs(off) <= tolerance) & seen.foreground[v, u] & agrees
-    # The predicted points, not the measured ones: the noise of these would look like size.
+    # Predicted points, since the noise of measured points would look like size.
     return _Pairs((rays * shown[j, i][:, None])[on], n[on], off[on])
 
 

@@ -37,7 +37,7 @@ class JudgedChoice:
 
 
 def judge_choices(searches: Sequence[PartSearch]) -> list[JudgedChoice]:
-    """The choices of all kinds without what does not stand beside the others."""
+    """The choices of all kinds without the parts that others refute."""
     areas = _explained_areas(searches)
     names = sorted(areas)
     objections = dict.fromkeys(_find_outdone(searches, areas), Objection.OUTDONE)
@@ -205,7 +205,7 @@ def _explained_areas(
 
 
 def without(choice: Choice, objections: Mapping[int, Objection]) -> Choice:
-    """The choice without those of its parts, by their number, that something is said against."""
+    """The choice without its parts, by their number, that have an objection."""
     left = _keep_only(choice, [i not in objections for i in range(len(choice.chosen))])
     left.rejected += [
         Rejection(choice.chosen[i].pose, choice.chosen[i].sighting, why)
@@ -215,7 +215,7 @@ def without(choice: Choice, objections: Mapping[int, Objection]) -> Choice:
 
 
 def _keep_only(choice: Choice, kept: Sequence[bool]) -> Choice:
-    """The choice with those of its parts that are kept."""
+    """The choice with only those of its parts that `kept` marks."""
     place = np.where(kept, np.cumsum(kept, dtype=np.int64) - 1, -1)
     rejected = [
         rejection

@@ -135,7 +135,7 @@ def localize_parts(
             found = allow_eaten_outlines(found, partial(compete, closely=closely))
             found = relax_tolerance(found, partial(compete, closely=closely))
         elif number > 1 and any(search.is_loose for search in found):
-            # Little that is hidden can be told in such a scan, and this takes most of the time.
+            # Such a scan hardly shows hidden parts, and this round takes most of the time.
             break
         # What is in doubt competes once more with what a greater effort finds in its place.
         apart = [doubted_apart(search) for search in found]

@@ -224,7 +224,7 @@ def _noise(cell: Cell, scan: Scan, scene: SceneModel) -> float:
 def _list_rejected(
     scan: Scan, search: PartSearch, choice: Choice, order: Sequence[int]
 ) -> tuple[RejectedHypothesis, ...]:
-    """The best of those rejected; `order` is that of the chosen ones as detections."""
+    """The best rejected hypotheses; `order` is that of the accepted parts as detections."""
     rank = {k: place for place, k in enumerate(order)}
     return tuple(
         RejectedHypothesis(
@@ -239,7 +239,7 @@ def _list_rejected(
 
 
 def _different(surface: PartSurface, choice: Choice) -> list[Rejection]:
-    """What was rejected, best score first, without what is the same as better ones or chosen."""
+    """Rejected hypotheses, best score first, that differ from better and from accepted poses."""
     ranked = sorted(choice.rejected, key=lambda rejection: -rejection.sighting.score)
     poses = [assessment.pose for assessment in choice.chosen] + [
         rejection.pose for rejection in ranked

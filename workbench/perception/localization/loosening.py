@@ -49,8 +49,8 @@ STEP_LENGTHS = (0.02, 0.01, 0.005)
 def relax_tolerance(found: list[PartSearch], compete: Compete) -> list[PartSearch]:
     """The searches with a relaxed tolerance where the accepted parts explain less than half.
 
-    The result is kept only if it explains much more; otherwise the searches stay as they are.  So
-    does that of a kind in whose place the scan bends otherwise.
+    The result is used only if it explains much more.  The search for a kind stays as it is if the
+    scan contradicts its curvature.
 
     Args:
         found: the searches of all kinds, after the first vote.

@@ -1,4 +1,4 @@
-"""What the localizer knows of a part: prepared once from its mesh and kept by its digest."""
+"""What the localizer knows of a part: prepared once from its mesh and cached by its digest."""
 
 from dataclasses import dataclass, replace
 from typing import Any
