@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from workbench.model.digest import LATER
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copy_pose, frozen, put
+from workbench.model.geometry import Floats, frozen, own, put
 from workbench.model.messages.calibration import BinText, PlateText, VerifyText
 from workbench.model.messages.message import Message, all_of
 
@@ -113,7 +113,7 @@ class PlateObservation:
     is_used: bool = True
 
     def __post_init__(self) -> None:
-        put(self, q=frozen(self.q), balls=frozen(self.balls), points=frozen(self.points))
+        own(self, "q", "balls", "points")
         if self.balls.shape != (3, 3) or not np.all(np.isfinite(self.balls)):
             raise InputError(PlateText.CENTRES(name=self.name))
         if self.points.ndim != 2 or self.points.shape[1] != 3:
@@ -151,13 +151,12 @@ class CalibrationRecord:
     by: str
     poses: int
     rms: float
-    position_error: float | None = field(default_factory=lambda: None, metadata=LATER)
-    angle_error: float | None = field(default_factory=lambda: None, metadata=LATER)
-    covariance: Floats | None = field(default_factory=lambda: None, metadata=LATER)
+    position_error: float | None = field(default=None, metadata=LATER)
+    angle_error: float | None = field(default=None, metadata=LATER)
+    covariance: Floats | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        if self.covariance is not None:
-            put(self, covariance=frozen(self.covariance))
+        own(self, "covariance")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -177,12 +176,7 @@ class Calibration:
     covariance: Floats
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            covariance=frozen(self.covariance),
-            T_world_scanner=copy_pose(self.T_world_scanner),
-            T_flange_plate=copy_pose(self.T_flange_plate),
-        )
+        own(self, "covariance", "T_world_scanner", "T_flange_plate")
 
     @property
     def used(self) -> int:
@@ -245,8 +239,7 @@ class BallScan:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        put(self, balls=frozen(self.balls), q=frozen(self.q))
-        put(self, diameters=frozen(self.diameters), forms=frozen(self.forms))
+        own(self, "balls", "q", "diameters", "forms")
         count = len(self.artefact.centres)
         if self.balls.shape != (count, 3) or not np.all(np.isfinite(self.balls)):
             raise InputError(VerifyText.CENTRES(scan=self.name, count=count))
@@ -273,7 +266,7 @@ class Touch:
     seat: float = 0.0
 
     def __post_init__(self) -> None:
-        put(self, q=frozen(self.q))
+        own(self, "q")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -291,7 +284,7 @@ class NextPose:
     steps: tuple[Message, ...]
 
     def __post_init__(self) -> None:
-        put(self, q=frozen(self.q))
+        own(self, "q")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -318,8 +311,7 @@ class BinCheck:
     has_walls: bool = True
 
     def __post_init__(self) -> None:
-        if self.T_world_bin is not None:
-            put(self, T_world_bin=copy_pose(self.T_world_bin))
+        own(self, "T_world_bin")
 
     @property
     def says(self) -> Message:

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.digest import LATER, FactsRepr
-from workbench.model.geometry import Floats, copy_pose, frozen, put
+from workbench.model.geometry import Floats, frozen, own, put
 from workbench.model.messages.message import Message, all_of, found_part
 from workbench.model.messages.verdicts import ReasonText, StageText, VerdictText
 from workbench.model.part import Grasp
@@ -83,7 +83,7 @@ class Verdict:
     note: Message | None = None
 
     def __post_init__(self) -> None:
-        put(self, q=None if self.q is None else frozen(self.q))
+        own(self, "q")
 
     @property
     def is_ok(self) -> bool:
@@ -144,10 +144,10 @@ class Candidate(FactsRepr):
     T_world_tcp: pin.SE3
     rank: float
     verdict: Verdict
-    tcp: str = field(default_factory=str, metadata=LATER)
+    tcp: str = field(default="", metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_tcp=copy_pose(self.T_world_tcp))
+        own(self, "T_world_tcp")
 
     @property
     def grasp_label(self) -> str:
@@ -198,14 +198,8 @@ class Pick:
     gain: float = math.inf
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            T_tcp_part=copy_pose(self.T_tcp_part),
-            approach=frozen(self.approach),
-            extract=frozen(self.extract),
-            place=frozen(self.place),
-            solutions=tuple(frozen(q) for q in self.solutions),
-        )
+        own(self, "T_tcp_part", "approach", "extract", "place")
+        put(self, solutions=tuple(frozen(q) for q in self.solutions))
 
     @property
     def rubs(self) -> bool:
@@ -230,4 +224,4 @@ class FoundGrip:
     grip: float
 
     def __post_init__(self) -> None:
-        put(self, T_part_tcp=copy_pose(self.T_part_tcp))
+        own(self, "T_part_tcp")

@@ -10,7 +10,7 @@ import pinocchio as pin
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.digest import LATER, FactsRepr, called, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, Solid, copy_pose, frozen, put
+from workbench.model.geometry import Floats, Solid, copy_pose, own, put
 from workbench.model.messages.cells import CellText
 from workbench.model.motion import MotionModel
 from workbench.model.part import Bin, Part, PartPlace, Station
@@ -36,7 +36,7 @@ class Finger:
     direction: Floats
 
     def __post_init__(self) -> None:
-        put(self, direction=frozen(self.direction))
+        own(self, "direction")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,19 +56,15 @@ class Tool:
     fingers: tuple[Finger, ...] = ()
     stroke: tuple[float, float] = (0.0, 0.0)
     press: float = 0.0015
-    force: float | None = field(default_factory=lambda: None, metadata=LATER)
-    mass: float | None = field(default_factory=lambda: None, metadata=LATER)
-    centre_of_gravity: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    inertia: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    tcps: tuple[Tcp, ...] = field(default_factory=tuple, metadata=LATER)
-    tcp: str = field(default_factory=str, metadata=LATER)
+    force: float | None = field(default=None, metadata=LATER)
+    mass: float | None = field(default=None, metadata=LATER)
+    centre_of_gravity: Floats | None = field(default=None, metadata=LATER)
+    inertia: Floats | None = field(default=None, metadata=LATER)
+    tcps: tuple[Tcp, ...] = field(default=(), metadata=LATER)
+    tcp: str = field(default="", metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_flange_tcp=copy_pose(self.T_flange_tcp))
-        if self.centre_of_gravity is not None:
-            put(self, centre_of_gravity=frozen(self.centre_of_gravity))
-        if self.inertia is not None:
-            put(self, inertia=frozen(self.inertia))
+        own(self, "T_flange_tcp", "centre_of_gravity", "inertia")
 
     @property
     def reach(self) -> float:
@@ -111,21 +107,19 @@ class Arm:
     Ts_world_place: tuple[pin.SE3, ...] = ()
     keeps_parts: bool = False
     tools: tuple[Tool, ...] = ()
-    needs_roll: bool = field(default_factory=lambda: False, metadata=LATER)
-    part_places: tuple[PartPlace, ...] = field(default_factory=tuple, metadata=LATER)
-    passes_parts_on: bool = field(default_factory=bool, metadata=LATER)
-    jerk: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    place_names: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
-    mapping: AxisMapping | None = field(default_factory=lambda: None, metadata=LATER)
-    moving_mass: float | None = field(default_factory=lambda: None, metadata=LATER)
-    tool_slots: tuple[ToolSlot, ...] = field(default_factory=tuple, metadata=LATER)
+    needs_roll: bool = field(default=False, metadata=LATER)
+    part_places: tuple[PartPlace, ...] = field(default=(), metadata=LATER)
+    passes_parts_on: bool = field(default=False, metadata=LATER)
+    jerk: Floats | None = field(default=None, metadata=LATER)
+    place_names: tuple[str, ...] = field(default=(), metadata=LATER)
+    mapping: AxisMapping | None = field(default=None, metadata=LATER)
+    moving_mass: float | None = field(default=None, metadata=LATER)
+    tool_slots: tuple[ToolSlot, ...] = field(default=(), metadata=LATER)
 
     def __post_init__(self) -> None:
+        own(self, "home", "acceleration", "jerk")
         put(
             self,
-            home=frozen(self.home),
-            acceleration=frozen(self.acceleration),
-            jerk=None if self.jerk is None else frozen(self.jerk),
             Ts_world_place=tuple(copy_pose(T) for T in self.Ts_world_place),
             part_places=tuple(self.part_places),
         )
@@ -154,7 +148,7 @@ class Fixture:
     solids: tuple[Solid, ...]
 
     def __post_init__(self) -> None:
-        put(self, T_world_fixture=copy_pose(self.T_world_fixture))
+        own(self, "T_world_fixture")
 
 
 Z_FORWARD, IN_WORLD = "z_forward", "world"
@@ -188,12 +182,13 @@ class ScannerMount:
     calibration: CalibrationRecord | None = None
     calibration_days: float = 90.0
     options: Mapping[str, Option] = field(default_factory=dict[str, Option], metadata=LATER)
-    cloud_axes: str = field(default_factory=lambda: Z_FORWARD, metadata=LATER)
-    while_moving: bool = field(default_factory=bool, metadata=LATER)
-    on_arm: ArmScanner | None = field(default_factory=lambda: None, metadata=LATER)
+    cloud_axes: str = field(default=Z_FORWARD, metadata=LATER)
+    while_moving: bool = field(default=False, metadata=LATER)
+    on_arm: ArmScanner | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_scanner=copy_pose(self.T_world_scanner), options=dict(self.options))
+        own(self, "T_world_scanner")
+        put(self, options=dict(self.options))
 
     def housing_of(self, arm: str) -> tuple[Solid, ...]:
         """What an arm carries of the scanner, in its flange's frame; nothing where it stands."""
@@ -213,7 +208,7 @@ class Controller:
     state_port: int
     motion: MotionModel
     options: Mapping[str, Option] = field(default_factory=dict[str, Option])
-    is_simulated: bool = field(default_factory=bool, metadata=LATER)
+    is_simulated: bool = field(default=False, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, options=dict(self.options))
@@ -265,22 +260,22 @@ class Policy:
     order: OrderName = "travel"
     metric: float = 0.6
     approval_minutes: float = 5.0
-    lifts: tuple[LiftName, ...] = field(default_factory=lambda: ("leaning",), metadata=LATER)
-    least_air: float | None = field(default_factory=lambda: None, metadata=LATER)
-    pair_gap: float = field(default_factory=lambda: 0.0, metadata=LATER)
-    sink: float = field(default_factory=lambda: 0.001, metadata=LATER)
-    release: float = field(default_factory=lambda: 0.01, metadata=LATER)
-    picks: int = field(default_factory=lambda: 1, metadata=LATER)
-    tcp_speed: float | None = field(default_factory=lambda: None, metadata=LATER)
-    point_speed: float | None = field(default_factory=lambda: None, metadata=LATER)
-    held_speed: float | None = field(default_factory=lambda: None, metadata=LATER)
-    manual_speed: bool = field(default_factory=bool, metadata=LATER)
-    contact_energy: float | None = field(default_factory=lambda: None, metadata=LATER)
-    as_needed: bool = field(default_factory=lambda: True, metadata=LATER)
-    stirs: int = field(default_factory=int, metadata=LATER)
-    stir_speed: float = field(default_factory=lambda: 0.1, metadata=LATER)
-    slot_speed: float = field(default_factory=lambda: 0.05, metadata=LATER)
-    retry_without_scan: bool = field(default_factory=bool, metadata=LATER)
+    lifts: tuple[LiftName, ...] = field(default=("leaning",), metadata=LATER)
+    least_air: float | None = field(default=None, metadata=LATER)
+    pair_gap: float = field(default=0.0, metadata=LATER)
+    sink: float = field(default=0.001, metadata=LATER)
+    release: float = field(default=0.01, metadata=LATER)
+    picks: int = field(default=1, metadata=LATER)
+    tcp_speed: float | None = field(default=None, metadata=LATER)
+    point_speed: float | None = field(default=None, metadata=LATER)
+    held_speed: float | None = field(default=None, metadata=LATER)
+    manual_speed: bool = field(default=False, metadata=LATER)
+    contact_energy: float | None = field(default=None, metadata=LATER)
+    as_needed: bool = field(default=True, metadata=LATER)
+    stirs: int = field(default=0, metadata=LATER)
+    stir_speed: float = field(default=0.1, metadata=LATER)
+    slot_speed: float = field(default=0.05, metadata=LATER)
+    retry_without_scan: bool = field(default=False, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)
@@ -295,7 +290,7 @@ class PlanOverrides:
     order: OrderName | None = None
     margin: float | None = None
     metric: float | None = None
-    picks: int | None = field(default_factory=lambda: None, metadata=LATER)
+    picks: int | None = field(default=None, metadata=LATER)
 
     def on(self, policy: Policy) -> Policy:
         """The policy with these changes."""
@@ -324,14 +319,14 @@ class Cell(FactsRepr):
     policy: Policy = field(default_factory=Policy)
     approvers: int = 1
     localizer: LocalizerChoice = field(default_factory=LocalizerChoice, metadata=LATER)
-    stations: tuple[Station, ...] = field(default_factory=tuple, metadata=LATER)
-    recipes: tuple[Recipe, ...] = field(default_factory=tuple, metadata=LATER)
-    recipe: int = field(default_factory=lambda: NO_RECIPE, metadata=LATER)
-    other_bins: tuple[Bin, ...] = field(default_factory=tuple, metadata=LATER)
+    stations: tuple[Station, ...] = field(default=(), metadata=LATER)
+    recipes: tuple[Recipe, ...] = field(default=(), metadata=LATER)
+    recipe: int = field(default=NO_RECIPE, metadata=LATER)
+    other_bins: tuple[Bin, ...] = field(default=(), metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        put(self, T_world_robot=copy_pose(self.T_world_robot))
+        own(self, "T_world_robot")
         if (carrier := self.scanner.on_arm) is not None:
             T = carrier.T_world_scanner(self.T_world_robot, self.robot, carrier.view.q)
             put(self, scanner=replace(self.scanner, T_world_scanner=T))

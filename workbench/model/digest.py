@@ -40,7 +40,7 @@ class Shared:
 
 
 class FactsRepr:
-    """A value that says what it is in a line, and as a table in a notebook.
+    """A value with a summary in one line, and as a table in a notebook.
 
     The dataclass that derives from it is made with `repr=False`: all fields of a cell fill a book.
     """
@@ -119,10 +119,10 @@ def _is_silent(field: "dataclasses.Field[Any]", owner: Any) -> bool:
         return True
     if not field.metadata.get("later"):
         return False
-    value = getattr(owner, field.name)
-    return not isinstance(value, np.ndarray) and bool(
-        value == field.default_factory()  # type: ignore[misc]
-    )
+    value, default = getattr(owner, field.name), field.default
+    if field.default_factory is not dataclasses.MISSING:
+        default = field.default_factory()
+    return not isinstance(value, np.ndarray) and bool(value == default)
 
 
 def digest_of(value: Any, *, without: frozenset[str] = frozenset()) -> str:

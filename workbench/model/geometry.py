@@ -39,8 +39,20 @@ def put(value: Any, **fields: Any) -> None:
         object.__setattr__(value, name, item)
 
 
+def own(value: Any, *names: str) -> None:
+    """Replace fields of a frozen dataclass by copies of its own (in `__post_init__` only).
+
+    Poses are copied and arrays made read-only (`float64`); None stays.
+    """
+    for name in names:
+        field = getattr(value, name)
+        if field is not None:
+            copy = copy_pose(field) if isinstance(field, pin.SE3) else frozen(field)
+            object.__setattr__(value, name, copy)
+
+
 def copy_pose(T: pin.SE3) -> pin.SE3:
-    """A pose of one's own: SE3 is mutable, and a frozen dataclass does not protect it."""
+    """A copy of a pose: SE3 is mutable, and a frozen dataclass does not protect it."""
     # One sum is not finite when any number in it is not; this is called for every pose made.
     if not math.isfinite(float(T.homogeneous.sum())):
         raise InputError("a pose holds a value that is not a finite number")
@@ -55,6 +67,16 @@ def transform(T_a_b: pin.SE3, p_b: Floats) -> Floats:
 def shift_and_turn(T: pin.SE3) -> tuple[float, float]:
     """How far a motion shifts [m], and by how much it turns [rad]."""
     return float(np.linalg.norm(T.translation)), float(np.linalg.norm(pin.log3(T.rotation)))
+
+
+def motions_moved(by: Floats) -> Floats:
+    """The matrix (6, 6) that takes small motions at a point to those at one `by` (3,) [m] from it.
+
+    A small motion (6,) [m, rad] is the shift of its point, then a rotation.
+    """
+    matrix = np.eye(6)
+    matrix[:3, 3:] = -pin.skew(by)
+    return matrix
 
 
 def spread_directions(count: int) -> Floats:
@@ -111,7 +133,7 @@ class Box:
     kind: Literal["box"] = field(default="box", init=False)
 
     def __post_init__(self) -> None:
-        put(self, size=frozen(self.size))
+        own(self, "size")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,7 +175,7 @@ class Mesh:
     triangles: Ints
     is_convex: bool = False
     kind: Literal["mesh"] = field(default="mesh", init=False)
-    pieces: "tuple[Mesh, ...]" = field(default_factory=tuple, metadata={"later": True})
+    pieces: "tuple[Mesh, ...]" = field(default=(), metadata={"later": True})
 
     def __post_init__(self) -> None:
         put(
@@ -191,7 +213,7 @@ class Solid:
     colour: tuple[float, float, float] = (0.7, 0.7, 0.72)
 
     def __post_init__(self) -> None:
-        put(self, T_owner_shape=copy_pose(self.T_owner_shape))
+        own(self, "T_owner_shape")
 
     @property
     def reach(self) -> float:

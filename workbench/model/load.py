@@ -24,8 +24,7 @@ from workbench.model.geometry import (
     Solid,
     Sphere,
     finest,
-    frozen,
-    put,
+    own,
 )
 from workbench.model.messages.cells import LoadText
 from workbench.model.messages.message import Message
@@ -50,7 +49,7 @@ class Load:
     inertia: Floats
 
     def __post_init__(self) -> None:
-        put(self, centre=frozen(self.centre), inertia=frozen(self.inertia))
+        own(self, "centre", "inertia")
         if problem := load_problem(self.mass, self.centre, self.inertia):
             raise InputError(LoadText.IMPOSSIBLE(problem=problem))
 
@@ -77,7 +76,7 @@ class Loads:
 
     tool: Load
     part: Load | None
-    new_tool: Load | None = field(default_factory=lambda: None, metadata=LATER)
+    new_tool: Load | None = field(default=None, metadata=LATER)
 
     def carried(self, holding: bool) -> Load:
         """The tool alone, or the tool with the part in it."""

@@ -76,16 +76,16 @@ class MotionModel:
     period: float = 0.0
     arms_at_once: int = 1
     reports_progress: bool = False
-    takes_share: bool = field(default_factory=bool, metadata=LATER)
-    takes_steps: bool = field(default_factory=bool, metadata=LATER)
-    takes_loads: bool = field(default_factory=bool, metadata=LATER)
-    longest: float = field(default_factory=lambda: math.inf, metadata=LATER)
-    maps_axes: bool = field(default_factory=bool, metadata=LATER)
-    sends_poses: bool = field(default_factory=bool, metadata=LATER)
-    takes_outputs: bool = field(default_factory=bool, metadata=LATER)
-    takes_openings: bool = field(default_factory=bool, metadata=LATER)
-    takes_tools: bool = field(default_factory=bool, metadata=LATER)
-    keeps_hand: bool = field(default_factory=bool, metadata=LATER)
+    takes_share: bool = field(default=False, metadata=LATER)
+    takes_steps: bool = field(default=False, metadata=LATER)
+    takes_loads: bool = field(default=False, metadata=LATER)
+    longest: float = field(default=math.inf, metadata=LATER)
+    maps_axes: bool = field(default=False, metadata=LATER)
+    sends_poses: bool = field(default=False, metadata=LATER)
+    takes_outputs: bool = field(default=False, metadata=LATER)
+    takes_openings: bool = field(default=False, metadata=LATER)
+    takes_tools: bool = field(default=False, metadata=LATER)
+    keeps_hand: bool = field(default=False, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.corners == "streamed" and not self.period > 0:
@@ -149,7 +149,7 @@ class SpeedBound:
     leg: str
     tcp: float
     point: float
-    mass: float | None = field(default_factory=lambda: None, metadata=LATER)
+    mass: float | None = field(default=None, metadata=LATER)
 
     @property
     def energy(self) -> float | None:

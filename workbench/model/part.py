@@ -14,8 +14,8 @@ from workbench.model.geometry import (
     Floats,
     Mesh,
     Solid,
-    copy_pose,
     frozen,
+    own,
     pose_from_rpy,
     put,
     transform,
@@ -54,16 +54,11 @@ class Grasp:
     tool: str = ""
     tilt: float = 0.0
     slide: float = 0.0
-    is_found: bool = field(default_factory=bool, metadata=LATER)
-    tcp: str = field(default_factory=str, metadata=LATER)
+    is_found: bool = field(default=False, metadata=LATER)
+    tcp: str = field(default="", metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            T_part_tcp=copy_pose(self.T_part_tcp),
-            approach=frozen(self.approach),
-            retreat=None if self.retreat is None else frozen(self.retreat),
-        )
+        own(self, "T_part_tcp", "approach", "retreat")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,7 +79,7 @@ class GraspPattern:
     across_offsets: tuple[float, ...] = (0.0,)
 
     def __post_init__(self) -> None:
-        put(self, axis=frozen(self.axis), through=frozen(self.through), across=frozen(self.across))
+        own(self, "axis", "through", "across")
 
     @property
     def name(self) -> str:
@@ -138,7 +133,7 @@ class GraspPair:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraspLibrary:
-    """All grasps of a part, as authored: single ones and patterns.
+    """All grasps of a part, as authored: single grasps and patterns.
 
     `pairs`: if there are any, two arms take parts of this kind only by these pairs.
     `searches`: if no grasp takes a part, a planning searches all grips of the tools.
@@ -147,7 +142,7 @@ class GraspLibrary:
 
     entries: tuple[Entry, ...] = ()
     pairs: tuple[GraspPair, ...] = ()
-    searches: bool = field(default_factory=bool, metadata=LATER)
+    searches: bool = field(default=False, metadata=LATER)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
     def __post_init__(self) -> None:
@@ -196,15 +191,15 @@ class PartPlace:
     free_rotation: float = 0.0
     tolerance: float = 0.002
     turn_tolerance: float = np.deg2rad(3.0)
-    approach: tuple[float, float, float] = field(default_factory=lambda: DOWN, metadata=LATER)
-    pallet: int = field(default_factory=int, metadata=LATER)
-    layer: int = field(default_factory=lambda: 1, metadata=LATER)
-    name: str = field(default_factory=str, metadata=LATER)
-    length: float = field(default_factory=lambda: PLACE_LIFT, metadata=LATER)
-    centred: tuple[float, float] | None = field(default_factory=lambda: None, metadata=LATER)
+    approach: tuple[float, float, float] = field(default=DOWN, metadata=LATER)
+    pallet: int = field(default=0, metadata=LATER)
+    layer: int = field(default=1, metadata=LATER)
+    name: str = field(default="", metadata=LATER)
+    length: float = field(default=PLACE_LIFT, metadata=LATER)
+    centred: tuple[float, float] | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_part=copy_pose(self.T_world_part))
+        own(self, "T_world_part")
 
     def is_for(self, part: str) -> bool:
         """Whether parts of that kind may lie there."""
@@ -225,7 +220,7 @@ class Station:
     fixture: str = ""
 
     def __post_init__(self) -> None:
-        put(self, T_base_station=copy_pose(self.T_base_station), size=frozen(self.size))
+        own(self, "T_base_station", "size")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -241,7 +236,7 @@ class Region:
     size: Floats
 
     def __post_init__(self) -> None:
-        put(self, T_bin_region=copy_pose(self.T_bin_region), size=frozen(self.size))
+        own(self, "T_bin_region", "size")
 
     def near(self, p_bin: Floats, by: float = 0.0) -> Bools:
         """Which points (n, 3) [m] in the bin's frame are in it, or at most `by` [m] outside."""
@@ -262,14 +257,14 @@ class Bin:
     T_world_bin: pin.SE3
     size: Floats
     wall: float = 0.003
-    has_walls: bool = field(default_factory=lambda: True, metadata=LATER)
-    regions: tuple[Region, ...] = field(default_factory=tuple, metadata=LATER)
-    name: str = field(default_factory=str, metadata=LATER)
-    number: int = field(default_factory=int, metadata=LATER)
-    p_world_drop: tuple[float, ...] | None = field(default_factory=lambda: None, metadata=LATER)
+    has_walls: bool = field(default=True, metadata=LATER)
+    regions: tuple[Region, ...] = field(default=(), metadata=LATER)
+    name: str = field(default="", metadata=LATER)
+    number: int = field(default=0, metadata=LATER)
+    p_world_drop: tuple[float, ...] | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_bin=copy_pose(self.T_world_bin), size=frozen(self.size))
+        own(self, "T_world_bin", "size")
 
     def gives(self, part: "Part", T_world_part: pin.SE3) -> bool:
         """Whether a part may be taken where it lies: by its middle, within the regions if any.
@@ -324,13 +319,13 @@ class Part(Shared, FactsRepr):
     mass: float
     symmetry: Symmetry
     library: GraspLibrary
-    friction: float | None = field(default_factory=lambda: None, metadata=LATER)
-    colours: np.ndarray | None = field(default_factory=lambda: None, metadata=LATER)
-    tolerance: float | None = field(default_factory=lambda: None, metadata=LATER)
-    scale: float = field(default_factory=lambda: 1.0, metadata=LATER)
-    offset: float = field(default_factory=float, metadata=LATER)
-    upright: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    tilt: float = field(default_factory=float, metadata=LATER)
+    friction: float | None = field(default=None, metadata=LATER)
+    colours: np.ndarray | None = field(default=None, metadata=LATER)
+    tolerance: float | None = field(default=None, metadata=LATER)
+    scale: float = field(default=1.0, metadata=LATER)
+    offset: float = field(default=0.0, metadata=LATER)
+    upright: Floats | None = field(default=None, metadata=LATER)
+    tilt: float = field(default=0.0, metadata=LATER)
     digest: str = field(init=False, repr=False)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 

@@ -13,7 +13,7 @@ from workbench.model.candidate import Candidate, FoundGrip, Verdict
 from workbench.model.cell import ARM_NAME
 from workbench.model.digest import LATER, FactsRepr, Shared, called, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copy_pose, frozen, put
+from workbench.model.geometry import Floats, frozen, own, put
 from workbench.model.load import Loads
 from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message, plain
@@ -100,7 +100,8 @@ class Leg(Shared):
     t: Floats
 
     def __post_init__(self) -> None:
-        put(self, opening=float(self.opening), q=frozen(self.q), t=frozen(self.t))
+        own(self, "q", "t")
+        put(self, opening=float(self.opening))
 
     @property
     def seconds(self) -> float:
@@ -134,15 +135,15 @@ class ArmPlan:
     T_tcp_part: pin.SE3
     joints: tuple[str, ...]
     legs: tuple[Leg, ...]
-    station: str = field(default_factory=str, metadata=LATER)
-    loads: Loads | None = field(default_factory=lambda: None, metadata=LATER)
-    found: FoundGrip | None = field(default_factory=lambda: None, metadata=LATER)
-    tcp: str = field(default_factory=str, metadata=LATER)
-    tool: str = field(default_factory=str, metadata=LATER)
-    held: str = field(default_factory=str, metadata=LATER)
+    station: str = field(default="", metadata=LATER)
+    loads: Loads | None = field(default=None, metadata=LATER)
+    found: FoundGrip | None = field(default=None, metadata=LATER)
+    tcp: str = field(default="", metadata=LATER)
+    tool: str = field(default="", metadata=LATER)
+    held: str = field(default="", metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_tcp_part=copy_pose(self.T_tcp_part))
+        own(self, "T_tcp_part")
 
     @property
     def takes_part(self) -> bool:
@@ -195,7 +196,7 @@ class Plan(FactsRepr):
     note: str = ""
     obstacles: tuple[Obstacle, ...] = ()
     seconds: Mapping[str, float] = field(default_factory=dict)
-    notes: tuple[Message, ...] = field(default_factory=tuple, metadata=LATER)
+    notes: tuple[Message, ...] = field(default=(), metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -283,7 +284,7 @@ class Violation:
     q: Floats | None = None
 
     def __post_init__(self) -> None:
-        put(self, q=None if self.q is None else frozen(self.q))
+        own(self, "q")
 
     @property
     def message(self) -> Message:
@@ -320,7 +321,7 @@ class Proof(FactsRepr):
     clearances: tuple[tuple[str, str, Floats], ...] = ()
     apart: tuple[tuple[str, str, Floats], ...] = ()
     zone: float = 0.0
-    speeds: tuple[SpeedBound, ...] = field(default_factory=tuple, metadata=LATER)
+    speeds: tuple[SpeedBound, ...] = field(default=(), metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -374,9 +375,9 @@ class PlanResult(FactsRepr):
     obstacles: tuple[Obstacle, ...] = ()
     planner: str = "rrtconnect"
     beside: "tuple[PlanResult, ...]" = ()
-    bound: float = field(default_factory=float, metadata=LATER)
-    row: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
-    row_ends: Message | None = field(default_factory=lambda: None, metadata=LATER)
+    bound: float = field(default=0.0, metadata=LATER)
+    row: tuple[Proven, ...] = field(default=(), metadata=LATER)
+    row_ends: Message | None = field(default=None, metadata=LATER)
 
     @property
     def is_proven(self) -> bool:

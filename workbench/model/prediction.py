@@ -80,10 +80,10 @@ class PileTask:
     bounds: bool = False
     change: Message | None = None
     picks: int = 1
-    recipe: int = field(default_factory=int, metadata=LATER)
-    bin: str = field(default_factory=str, metadata=LATER)
-    stirs: int | None = field(default_factory=lambda: None, metadata=LATER)
-    displaced: float = field(default_factory=float, metadata=LATER)
+    recipe: int = field(default=0, metadata=LATER)
+    bin: str = field(default="", metadata=LATER)
+    stirs: int | None = field(default=None, metadata=LATER)
+    displaced: float = field(default=0.0, metadata=LATER)
 
 
 NOT_FOUND, STOPPED = "not found", "stopped"
@@ -170,13 +170,13 @@ class EmptiedPile:
     more: int | None = None
     rolled: int = 0
     outcomes: tuple[str, ...] = ()
-    beside: tuple[tuple[float, float], ...] = field(default_factory=tuple, metadata=LATER)
-    warned_picks: int = field(default_factory=int, metadata=LATER)
-    warned_touches: int = field(default_factory=int, metadata=LATER)
-    holdable: int | None = field(default_factory=lambda: None, metadata=LATER)
-    kits: tuple[int, int] | None = field(default_factory=lambda: None, metadata=LATER)
-    stirs: int = field(default_factory=int, metadata=LATER)
-    unmated: int = field(default_factory=int, metadata=LATER)
+    beside: tuple[tuple[float, float], ...] = field(default=(), metadata=LATER)
+    warned_picks: int = field(default=0, metadata=LATER)
+    warned_touches: int = field(default=0, metadata=LATER)
+    holdable: int | None = field(default=None, metadata=LATER)
+    kits: tuple[int, int] | None = field(default=None, metadata=LATER)
+    stirs: int = field(default=0, metadata=LATER)
+    unmated: int = field(default=0, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,10 +21,6 @@ Manner = tuple[float, bool]
 AS_PLANNED: Manner = (1.0, False)
 
 
-def _full_speed() -> float:
-    return 1.0
-
-
 def manner_words(speed_share: float, is_stepped: bool) -> Message | None:
     """How a plan is to be executed, for people; None where it is in one go and as planned."""
     speed = MannerText.SPEED(share=speed_share) if speed_share < 1.0 else None
@@ -44,12 +40,12 @@ class Vote:
     plan_digest: str
     actor: str
     at: float
-    speed_share: float = field(default_factory=_full_speed, metadata=LATER)
-    is_stepped: bool = field(default_factory=bool, metadata=LATER)
+    speed_share: float = field(default=1.0, metadata=LATER)
+    is_stepped: bool = field(default=False, metadata=LATER)
 
     @property
     def manner(self) -> Manner:
-        """What a vote has to share with another one to count beside it."""
+        """What two votes must have in common to count together."""
         return self.speed_share, self.is_stepped
 
 
@@ -81,13 +77,13 @@ class Approval:
     at: float
     until: float
     before: tuple[Vote, ...] = ()
-    is_unwatched: bool = field(default_factory=bool, metadata=LATER)
-    ran: str = field(default_factory=str, metadata=LATER)
-    speed_share: float = field(default_factory=_full_speed, metadata=LATER)
-    is_stepped: bool = field(default_factory=bool, metadata=LATER)
-    row: tuple[tuple[str, str], ...] = field(default_factory=tuple, metadata=LATER)
-    first: str = field(default_factory=str, metadata=LATER)
-    is_switched_off: bool = field(default_factory=bool, metadata=LATER)
+    is_unwatched: bool = field(default=False, metadata=LATER)
+    ran: str = field(default="", metadata=LATER)
+    speed_share: float = field(default=1.0, metadata=LATER)
+    is_stepped: bool = field(default=False, metadata=LATER)
+    row: tuple[tuple[str, str], ...] = field(default=(), metadata=LATER)
+    first: str = field(default="", metadata=LATER)
+    is_switched_off: bool = field(default=False, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -152,7 +148,7 @@ class PartReport:
     detection: int
     is_picked: bool | None
     why: Message | str = ""
-    is_missed: bool = field(default_factory=bool, metadata=LATER)
+    is_missed: bool = field(default=False, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -174,8 +170,8 @@ class Receipt:
     total: int
     heard: str = ""
     part: PartReport | None = None
-    waits: int = field(default_factory=int, metadata=LATER)
-    step: int = field(default_factory=int, metadata=LATER)
+    waits: int = field(default=0, metadata=LATER)
+    step: int = field(default=0, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.model.digest import LATER, Shared
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, Solid, copy_pose, frozen, put
+from workbench.model.geometry import Floats, Solid, own
 
 JointKind = Literal["revolute", "prismatic", "fixed"]
 
@@ -36,7 +36,7 @@ class Joint:
     velocity: float = 0.0
 
     def __post_init__(self) -> None:
-        put(self, T_parent_joint=copy_pose(self.T_parent_joint), axis=frozen(self.axis))
+        own(self, "T_parent_joint", "axis")
 
     def at(self, value: float) -> "Joint":
         """The joint fixed at a value [rad or m]; as it is when it cannot move."""
@@ -162,7 +162,7 @@ class AxisMapping:
     offsets: Floats
 
     def __post_init__(self) -> None:
-        put(self, coupling=frozen(self.coupling), offsets=frozen(self.offsets))
+        own(self, "coupling", "offsets")
 
     def to_controller(self, axes: Floats) -> Floats:
         """What the controller shows (n,) [rad, m] where its axes are at `axes` (n,) [rad, m]."""
@@ -197,7 +197,7 @@ class Tcp:
     output: int | None = None
 
     def __post_init__(self) -> None:
-        put(self, T_flange_tcp=copy_pose(self.T_flange_tcp))
+        own(self, "T_flange_tcp")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -216,7 +216,7 @@ class ToolSlot:
     fixture: str = ""
 
     def __post_init__(self) -> None:
-        put(self, T_world_flange=copy_pose(self.T_world_flange), leave=frozen(self.leave))
+        own(self, "T_world_flange", "leave")
 
     @property
     def T_world_outside(self) -> pin.SE3:
@@ -240,11 +240,11 @@ class ScanPosture:
 
     name: str
     q: Floats
-    bin: str = field(default_factory=str, metadata=LATER)
-    number: int = field(default_factory=int, metadata=LATER)
+    bin: str = field(default="", metadata=LATER)
+    number: int = field(default=0, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, q=frozen(self.q))
+        own(self, "q")
 
 
 MOST_OFF = (0.002, float(np.deg2rad(0.5)))
@@ -273,7 +273,7 @@ class ScannedView:
     through: float = 0.0
 
     def __post_init__(self) -> None:
-        put(self, T_world_scanner=copy_pose(self.T_world_scanner))
+        own(self, "T_world_scanner")
 
     @property
     def is_off(self) -> bool:
@@ -305,11 +305,11 @@ class ArmScanner:
     view: ScanPosture
     home: Floats
     housing: tuple[Solid, ...] = ()
-    other_views: tuple[ScanPosture, ...] = field(default_factory=tuple, metadata=LATER)
-    merges_views: bool = field(default_factory=bool, metadata=LATER)
+    other_views: tuple[ScanPosture, ...] = field(default=(), metadata=LATER)
+    merges_views: bool = field(default=False, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_flange_scanner=copy_pose(self.T_flange_scanner), home=frozen(self.home))
+        own(self, "T_flange_scanner", "home")
 
     @property
     def views(self) -> tuple[ScanPosture, ...]:

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.model.digest import LATER, FactsRepr, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copy_pose, frozen, put, transform
+from workbench.model.geometry import Floats, frozen, own, put, transform
 from workbench.model.messages.calibration import ObjectionText, ScaleText, ScanText
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.recipes.joint import PlacingError
@@ -43,9 +43,9 @@ class Scan(FactsRepr):
     pixels: np.ndarray | None = None
     resolution: tuple[int, int] | None = None
     at: float = 0.0
-    colours: np.ndarray | None = field(default_factory=lambda: None, metadata=LATER)
-    joints: Mapping[str, float] | None = field(default_factory=lambda: None, metadata=LATER)
-    views: tuple[ScannedView, ...] = field(default_factory=tuple, metadata=LATER)
+    colours: np.ndarray | None = field(default=None, metadata=LATER)
+    joints: Mapping[str, float] | None = field(default=None, metadata=LATER)
+    views: tuple[ScannedView, ...] = field(default=(), metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -62,10 +62,10 @@ class Scan(FactsRepr):
             )
         if self.views and sum(view.count for view in self.views) != len(points):
             raise InputError(ScanText.VIEWS(points=len(points)))
+        own(self, "T_world_scanner")
         put(
             self,
             points=points,
-            T_world_scanner=copy_pose(self.T_world_scanner),
             pixels=None if self.pixels is None else frozen(self.pixels, np.int32),
             colours=None if self.colours is None else frozen(self.colours, np.uint8),
             joints=None if self.joints is None else dict(self.joints),
@@ -111,13 +111,13 @@ class Detection(FactsRepr):
     gap: float | None = None
     residual: float | None = None
     roll_known: bool = True
-    covariance: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    probability: float | None = field(default_factory=lambda: None, metadata=LATER)
-    roll_axis: Floats | None = field(default_factory=lambda: None, metadata=LATER)
-    T_world_found: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
-    by_colour: bool | None = field(default_factory=lambda: None, metadata=LATER)
-    placing: PlacingError | None = field(default_factory=lambda: None, metadata=LATER)
-    T_world_seen: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
+    covariance: Floats | None = field(default=None, metadata=LATER)
+    probability: float | None = field(default=None, metadata=LATER)
+    roll_axis: Floats | None = field(default=None, metadata=LATER)
+    T_world_found: pin.SE3 | None = field(default=None, metadata=LATER)
+    by_colour: bool | None = field(default=None, metadata=LATER)
+    placing: PlacingError | None = field(default=None, metadata=LATER)
+    T_world_seen: pin.SE3 | None = field(default=None, metadata=LATER)
 
     @property
     def is_by_hand(self) -> bool:
@@ -134,18 +134,14 @@ class Detection(FactsRepr):
                 raise InputError(ScanText.ROLL_AXIS())
             if not np.isfinite(axis).all():
                 raise InputError(ScanText.ROLL_POINT())
+        own(self, "T_world_part", "covariance", "roll_axis", "T_world_found", "T_world_seen")
         put(
             self,
-            T_world_part=copy_pose(self.T_world_part),
             score=float(self.score),
             visible=float(self.visible),
             gap=None if self.gap is None else float(self.gap),
             residual=None if self.residual is None else float(self.residual),
-            covariance=None if self.covariance is None else frozen(self.covariance),
             probability=None if self.probability is None else float(self.probability),
-            roll_axis=None if self.roll_axis is None else frozen(self.roll_axis),
-            T_world_found=None if self.T_world_found is None else copy_pose(self.T_world_found),
-            T_world_seen=None if self.T_world_seen is None else copy_pose(self.T_world_seen),
         )
 
     @property
@@ -199,7 +195,8 @@ class RejectedHypothesis:
     rival: int | None = None
 
     def __post_init__(self) -> None:
-        put(self, T_world_part=copy_pose(self.T_world_part), score=float(self.score))
+        own(self, "T_world_part")
+        put(self, score=float(self.score))
 
     @property
     def words(self) -> Message:
@@ -304,9 +301,9 @@ class Obstacle:
 
     T_world_box: pin.SE3
     size: Floats
-    part: str = field(default_factory=str, metadata=LATER)
-    T_world_put: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
-    seen: SeenBase | None = field(default_factory=lambda: None, metadata=LATER)
+    part: str = field(default="", metadata=LATER)
+    T_world_put: pin.SE3 | None = field(default=None, metadata=LATER)
+    seen: SeenBase | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
         size = frozen(self.size)
@@ -314,12 +311,8 @@ class Obstacle:
             raise InputError(ScanText.OBSTACLE_SIZE())
         if bool(self.part) != (self.T_world_put is not None) or (self.seen and not self.part):
             raise InputError(ScanText.PALLET_PART())
-        put(
-            self,
-            T_world_box=copy_pose(self.T_world_box),
-            size=size,
-            T_world_put=None if self.T_world_put is None else copy_pose(self.T_world_put),
-        )
+        own(self, "T_world_box", "T_world_put")
+        put(self, size=size)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from workbench.model.digest import LATER
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, own, put
 
 ANY_TURN = float(np.deg2rad(30.0))
 """[rad] A part that looks alike at any turn is taken at turns this far apart."""
@@ -37,7 +37,7 @@ class SymmetryAxis:
     fold: int
 
     def __post_init__(self) -> None:
-        put(self, axis=frozen(self.axis))
+        own(self, "axis")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,14 +50,13 @@ class Symmetry:
 
     axis: Floats = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     fold: int = 1
-    point: tuple[float, float, float] = field(
-        default_factory=lambda: (0.0, 0.0, 0.0), metadata=LATER
-    )
-    also: tuple[SymmetryAxis, ...] = field(default_factory=tuple, metadata=LATER)
+    point: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), metadata=LATER)
+    also: tuple[SymmetryAxis, ...] = field(default=(), metadata=LATER)
 
     def __post_init__(self) -> None:
         x, y, z = map(float, self.point)
-        put(self, axis=frozen(self.axis), point=(x, y, z))
+        own(self, "axis")
+        put(self, point=(x, y, z))
 
     @property
     def axes(self) -> tuple[SymmetryAxis, ...]:

@@ -205,7 +205,9 @@ def _literals(tree: ast.Module) -> Iterator[tuple[str, bool]]:
 
 
 def _is_silent(called: ast.expr) -> bool:
-    """Whether what a call is given is shown to nobody: it goes to a log or is a pattern."""
+    """Whether a call shows its arguments to nobody: a log, a pattern, or names of fields."""
+    if isinstance(called, ast.Name):
+        return called.id == "own"
     if not isinstance(called, ast.Attribute) or not isinstance(called.value, ast.Name):
         return False
     return (called.value.id == "log" and called.attr in _LOGS) or called.value.id == "re"

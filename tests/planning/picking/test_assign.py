@@ -10,6 +10,7 @@ from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Plan
 from workbench.model.scan import Detection
+from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.world import World
 from workbench.planning.picking import assign, put_down
 from workbench.planning.picking.assign import plan_first_feasible
@@ -40,7 +41,7 @@ def picks(world) -> list[Pick]:
 
 def test_out_of_time_is_reported_though_an_earlier_grasp_has_no_path(world, picks, monkeypatch):
     answers = iter([Verdict(Reason.NO_PATH, Stage.ROUTE), LATE])
-    monkeypatch.setattr(assign, "_alike", lambda *arguments, **names: [picks[:1], picks[1:2]])
+    monkeypatch.setattr(assign, "_similar_picks", lambda *_, **names: [picks[:1], picks[1:2]])
     monkeypatch.setattr(assign, "_route", lambda *arguments, **names: next(answers))
     plans, verdict = plan_first_feasible(
         world, picks, "alternated", threshold=0.1, scan_digest="s", seed=0, cancelled=never
@@ -54,7 +55,8 @@ def test_out_of_time_is_reported_though_an_earlier_place_is_refused(world, picks
         yield LATE
 
     monkeypatch.setattr(put_down, "plan_straight_descents", descents)
-    monkeypatch.setattr(put_down, "_find_contact", lambda *arguments: LATE)
+    met = Contact(("part-1", "part-2"), 0.0, 0.005), picks[0].place[-1]
+    monkeypatch.setattr(put_down, "along_placed", lambda *arguments: met)
     found = put_down.put_down(world, picks[0], phase_of([], []))
     assert isinstance(found, Verdict) and found.reason is Reason.OUT_OF_TIME
 

@@ -16,7 +16,7 @@ from workbench.model.calibration import BallPlate, CalibrationRecord
 from workbench.model.cell import Arm, Cell
 from workbench.model.derived.controller_axes import from_shown, shown_axes
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, own
 
 POSES_FORMAT = "workbench-calibration/1"
 CALIBRATION_FILE = "calibration.toml"
@@ -40,7 +40,7 @@ class ScannedPose:
     q: Floats
 
     def __post_init__(self) -> None:
-        put(self, q=frozen(self.q))
+        own(self, "q")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,8 +22,8 @@ from workbench.model.geometry import (
     Mesh,
     Shape,
     Solid,
-    copy_pose,
     frozen,
+    own,
     pose_from_rpy,
     put,
 )
@@ -79,7 +79,7 @@ class TwoFingers:
     drawing: CadDrawing = field(default_factory=CadDrawing)
 
     def __post_init__(self) -> None:
-        put(self, size=frozen(self.size))
+        own(self, "size")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +113,7 @@ class DrawnTool:
     is_mended: bool = False
 
     def __post_init__(self) -> None:
-        put(self, T_flange_drawing=copy_pose(self.T_flange_drawing))
+        own(self, "T_flange_drawing")
 
 
 def check_drawn(drawn: DrawnTool) -> None:

@@ -56,7 +56,7 @@ def written_cell(path: Path, cell: Cell) -> bytes:
     """What `save_cell` would write into the file; nothing is changed yet.
 
     Raises:
-        FileError: the file cannot be read, nothing can be written beside it, or something differs
+        FileError: the file cannot be read, its folder cannot be written, or something differs
             that cannot be written into it.
     """
     old = read_cell(path)
@@ -80,7 +80,7 @@ def written_cell(path: Path, cell: Cell) -> bytes:
 
 
 def log_change(path: Path, cell: Cell, actor: str, at: float, remark: str) -> None:
-    """Add a line about a saved change to the log beside the cell file.
+    """Add a line about a saved change to the log next to the cell file.
 
     Raises:
         FileError: it cannot be written.
@@ -176,10 +176,10 @@ def _numbers(cell: Cell) -> Floats:
     rows = [T.homogeneous.ravel() for T in Ts] + [np.asarray(arm.home) for arm in cell.arms]
     record = cell.scanner.calibration
     errors = (record.rms, record.position_error, record.angle_error) if record else ()
-    kept = [0.0 if error is None else error for error in errors]
+    stated = [0.0 if error is None else error for error in errors]
     unsure = np.zeros(0) if record is None or record.covariance is None else record.covariance
     sizes = [np.asarray(box.size) for box in cell.bins]
-    return np.concatenate([*rows, *sizes, kept, unsure.ravel()])
+    return np.concatenate([*rows, *sizes, stated, unsure.ravel()])
 
 
 def _edit(document: Any, old: Cell, new: Cell) -> None:

@@ -1,4 +1,4 @@
-"""What a study of the threshold found, kept beside the cell that it was made with."""
+"""Results of a study of the threshold, stored next to the cell of the study."""
 
 from dataclasses import asdict
 from pathlib import Path

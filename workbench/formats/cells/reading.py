@@ -187,7 +187,7 @@ def _part(table: Table, name: str) -> Part:
 
 
 def _place(table: Table, name: str) -> Path:
-    """A part named in a cell file: a path beside it, or a name under `parts/`."""
+    """A part named in a cell file: a path next to it, or a name under `parts/`."""
     beside = table.path.parent / name
     try:
         return beside if exists(beside) else find("parts", name)
@@ -238,7 +238,7 @@ def _without_pairs(table: Table, robot: Robot, arms: tuple[Arm, ...]) -> Robot:
 
 
 def read_poses_folder(table: Table) -> PosesFolder:
-    """The folder `path`, beside the cell file when it is not absolute."""
+    """The folder `path`, next to the cell file when it is not absolute."""
     table.text("source", "folder", among=("folder",))
     path = str((table.path.parent / table.text("path")).resolve())
     folder = PosesFolder(path, table.text("part", "", empty=True))

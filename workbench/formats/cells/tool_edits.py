@@ -15,7 +15,7 @@ from workbench.model.cell import Cell, Tool
 from workbench.model.geometry import Floats, Mesh, Solid
 
 TOOLS = "tools"
-"""The folder beside a cell file that the meshes of new tools go to."""
+"""The folder of the meshes of new tools, next to the cell file."""
 
 COMPARED_DIRECTIONS = np.array(
     [direction for direction in product((-1.0, 0.0, 1.0), repeat=3) if any(direction)]

@@ -1,4 +1,4 @@
-"""A cell as a folder: `cell.toml` with what a person will want to change, beside its robot.
+"""A cell as a folder: `cell.toml` with what a person will want to change, and its robot.
 
 For cells that a program makes; one that people have written is changed in place, so that their
 comments stay (`formats/cells/edits.py`).
@@ -31,7 +31,7 @@ from workbench.plugins.options import Options
 EMPTYING = "thorough: all lifts, fingers as open as there is room; as-needed; quick"
 
 PutMesh = Callable[[str, bytes], str]
-"""Name, content of an STL file [m] -> the file it was put into, beside the cell file."""
+"""Name, content of an STL file [m] -> the file that holds it, next to the cell file."""
 
 
 def write_cell(folder: Path, cell: Cell, unchecked: Mapping[tuple[str, str], str]) -> Path:

@@ -48,7 +48,7 @@ PLY_TYPES = {"<f8": "double", "<i4": "int", "u1": "uchar"}
 """NumPy's types of the properties that are written, and PLY's names of them."""
 
 STRAY_SHARE = 0.05
-"""Share of the points that may lie anywhere: stray ones say nothing about the unit."""
+"""Share of stray points, which do not show the unit."""
 
 KEY = "`unit` in [scanner] of the cell file"
 

@@ -1,4 +1,4 @@
-"""Logs of changes beside the files that were changed: one JSON object a line."""
+"""Logs of changes next to the changed files: one JSON object a line."""
 
 import json
 from collections.abc import Mapping

@@ -217,7 +217,7 @@ def main() -> None:
     except RecursionError:
         _write_answer(folder, "file", FileProblem.DEEP().form)
     except Exception:
-        # A rim: it is told to whoever waits, who has a log.
+        # A rim: the waiting process gets the error and logs it.
         _write_answer(folder, "bug", traceback.format_exc())
 
 

@@ -21,7 +21,7 @@ def is_example_session(folder: Path) -> bool:
 
 
 def _shipped(kind: Kind) -> Path:
-    # A wheel carries its own copies; only in a checkout do they lie beside the package.
+    # A wheel carries its own copies; only in a checkout do they lie next to the package.
     shipped = PACKAGE / "shipped"
     return (shipped if shipped.is_dir() else PACKAGE.parent) / kind
 

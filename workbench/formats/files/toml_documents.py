@@ -27,7 +27,7 @@ def read_document(path: Path) -> Any:
 
 
 def short(value: float, digits: int = 4) -> float | int:
-    """A number as people write it: no -0, and whole ones without a point."""
+    """A number as people write it: no -0, and whole numbers without a point."""
     rounded = round(float(value), digits) + 0.0
     return int(rounded) if rounded.is_integer() else rounded
 

@@ -1,8 +1,7 @@
-"""A part's grasps kept: saved with a remark as a version of its own, and a draft until then.
+"""A part's grasps in files: versions saved with a remark, and a draft until then.
 
-Beside `grasps.toml` lie `versions/0001.toml` and so on, what was saved each time; `changes.log`
-says of each who saved it, when, and why; `grasps.draft.toml` is there while there are changes
-that nobody has saved.
+`versions/0001.toml` and so on hold what was saved each time; `changes.log` states for each who
+saved it, when, and why; `grasps.draft.toml` holds changes that nobody has saved yet.
 """
 
 import json
@@ -77,9 +76,9 @@ def save_part(
         _save_symmetry(folder / "part.toml", new.symmetry)
     if digest_of(old.library) != digest_of(as_written(new.library)):
         if not versions(folder):
-            _keep(folder, old.library, actor="", at=at, remark="as it was before")
+            _add_version(folder, old.library, actor="", at=at, remark="as it was before")
         save_grasps(folder / GRASPS, new.library)
-        version = _keep(folder, new.library, actor=actor, at=at, remark=remark)
+        version = _add_version(folder, new.library, actor=actor, at=at, remark=remark)
     drop_draft(folder)
     return version
 
@@ -89,21 +88,21 @@ def is_resized(old: Part, new: Part) -> bool:
     return (old.scale, old.offset) != (new.scale, new.offset)
 
 
-def _keep(folder: Path, library: GraspLibrary, *, actor: str, at: float, remark: str) -> int:
-    """Add a version; its number."""
-    kept = versions(folder)
+def _add_version(folder: Path, library: GraspLibrary, *, actor: str, at: float, remark: str) -> int:
+    """Add a version and return its number."""
+    earlier = versions(folder)
     make_folder(folder / VERSIONS)
-    number = 1 + max((version.number for version in kept), default=0)
+    number = 1 + max((version.number for version in earlier), default=0)
     while (file := folder / VERSIONS / f"{number:04}.toml").exists():
         number += 1  # of a version that did not get into the log, or out of it
     save_grasps(file, library)
-    before = kept[-1].library if kept else GraspLibrary()
+    before = earlier[-1].library if earlier else GraspLibrary()
     entry = {
         "version": number,
         "at": utc(at),
         "by": actor,
         "remark": remark,
-        "changes": list(map(str, changes_in_words(before, library))) if kept else [],
+        "changes": list(map(str, changes_in_words(before, library))) if earlier else [],
     }
     add_line(folder / LOG, entry)
     return number
@@ -174,7 +173,7 @@ def drop_draft(folder: Path) -> None:
 
 
 def _stated_besides(symmetry: Symmetry) -> dict[str, list[Any]]:
-    """What a file says of a symmetry beside its main axis; empty where it says nothing."""
+    """The keys of a symmetry besides its main axis; empty without any."""
     also = [{"axis": shorts(axis.axis, 6), "fold": axis.fold} for axis in symmetry.also]
     point = shorts(1000 * np.array(symmetry.point), 4) if any(symmetry.point) else []
     return {"point_mm": point, "also": also}

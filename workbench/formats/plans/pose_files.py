@@ -24,7 +24,7 @@ FARTHEST_PART = 20.0
 """[m] A part further away than this was given in other units."""
 
 EXACT = 1e-6
-"""A rotation matrix this close to one is kept digit by digit, so that digests survive a file."""
+"""A matrix this close to a rotation keeps its digits, so that digests survive a file."""
 
 LARGEST_COVARIANCE = 1e6
 """[m2, rad2] Largest number in a covariance; a larger one is a mistake."""

@@ -22,7 +22,7 @@ from workbench.formats.rapid.syntax.grammar import parse
 from workbench.formats.rapid.values import Kind, Types, copy
 
 MAY_FAIL = {"call", "late", "function", "index", "raise_", "connect"}
-"""What an error can come of, beside computing."""
+"""Sources of an error other than computing."""
 
 
 def read_source(path: str, text: str) -> Source:

@@ -1,4 +1,4 @@
-"""Our modules beside a customer's: names that clash, data that both use, and what is to be done."""
+"""Our modules together with a customer's: names that clash, shared data, and what to do."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field

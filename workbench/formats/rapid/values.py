@@ -69,7 +69,7 @@ def single(value: float) -> float:
 
 
 def copy(value: Any) -> Any:
-    """A value of one's own: records and arrays are copied when they are assigned."""
+    """A copy of a value: records and arrays are copied when they are assigned."""
     return [copy(item) for item in value] if type(value) is list else value
 
 

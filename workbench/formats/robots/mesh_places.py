@@ -20,7 +20,7 @@ class MissingMesh(FileError):
 
 
 def mesh_file(element: Element, name: str, packages: Packages) -> Path:
-    """The file that an element names, beside the robot file or in a package.
+    """The file that an element names, next to the robot file or in a package.
 
     A name whose letters are large where the file's are small, or the other way, is found as well.
 

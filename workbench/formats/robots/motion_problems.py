@@ -6,7 +6,7 @@ A file holds one set, for one robot whose URDF and SRDF lie beside it under the 
 left out.  Obstacles are `{name, shape, dimensions, object_pose, pose}` with lengths in m: of a box
 its full lengths x, y, z, of a cylinder its height and radius, of a sphere its radius.  The pose of
 a shape is `object_pose`, which may be null or left out, times `pose`, each `{position, orientation:
-x y z w}`.  Keys beside these are passed over.
+x y z w}`.  Other keys are ignored.
 
 The shapes and dimensions are those of ROS (shape_msgs/SolidPrimitive); scenes like these are in
 MotionBenchMaker (Chamzas et al., IEEE Robotics and Automation Letters 7(2), 2022).
@@ -25,7 +25,7 @@ from workbench.formats.files.toml_keys import Table, quote
 from workbench.formats.files.whole_files import is_file
 from workbench.formats.robots.urdf import read_srdf, read_urdf
 from workbench.model.errors import InputError
-from workbench.model.geometry import Box, Cylinder, Floats, Shape, Solid, Sphere, frozen, put
+from workbench.model.geometry import Box, Cylinder, Floats, Shape, Solid, Sphere, own
 from workbench.model.robot import Joint, Robot
 
 FORMAT = "motion-problems/1"
@@ -58,7 +58,7 @@ class MotionProblem:
     obstacles: tuple[Solid, ...]
 
     def __post_init__(self) -> None:
-        put(self, start=frozen(self.start), goal=frozen(self.goal))
+        own(self, "start", "goal")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""Where the packages of ROS lie that robot files name: searched for beside the files, without ROS.
+"""The folders of ROS packages that robot files name, found near the files and without ROS.
 
 Source: https://ros.org/reps/rep-0127.html (`package.xml`)
 """

@@ -30,7 +30,7 @@ def read_urdf(
     """A robot from a URDF file that has to be right in everything.
 
     Args:
-        path: the file; meshes are looked up beside it and, for `package://`, around it.
+        path: the file; meshes are looked up next to it and, for `package://`, around it.
         collision: `hull` replaces every collision mesh by its convex hull.
         hull_except: links whose meshes stay as they are.
 

@@ -74,7 +74,7 @@ def _with_meshes(link: Link) -> Iterator[tuple[Solid, Mesh | None]]:
 
 
 def write_package(path: Path, robot: Robot) -> None:
-    """Write a URDF with all that it names in a folder `meshes` beside it.
+    """Write a URDF with all that it names in a folder `meshes` next to it.
 
     Raises:
         FileError: a file cannot be written.

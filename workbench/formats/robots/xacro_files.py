@@ -100,7 +100,7 @@ def expand_xacro(
                     raise FileError(path, _problem(path, error, finder, given)) from None
         else:
             raise FileError(path, f"cannot be expanded by xacro: {finder.missing}")
-        # A mesh of a missing package is looked for once more, by the name of the package.
+        # A mesh of a missing package is searched once more, by the name of the package.
         for found in (f"file://{nowhere}/", f"{nowhere}/"):
             content = content.replace(found.encode(), b"package://")
     if not LINK.search(content):

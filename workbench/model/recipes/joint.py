@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from workbench.model.digest import LATER
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, own
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class PlacingError:
 
     by_scanner: Floats
     covariance: Floats
-    believed: "PlacingError | None" = field(default_factory=lambda: None, metadata=LATER)
+    believed: "PlacingError | None" = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, by_scanner=frozen(self.by_scanner), covariance=frozen(self.covariance))
+        own(self, "by_scanner", "covariance")

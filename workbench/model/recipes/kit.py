@@ -32,8 +32,8 @@ class Insertion:
     along: tuple[float, float, float]
     length: float
     clearance: float
-    joint: Joint | None = field(default_factory=lambda: None, metadata=LATER)
-    look_again: bool = field(default_factory=bool, metadata=LATER)
+    joint: Joint | None = field(default=None, metadata=LATER)
+    look_again: bool = field(default=False, metadata=LATER)
 
     @property
     def T_base_part(self) -> pin.SE3:
@@ -47,7 +47,7 @@ class KitItem:
 
     part: str
     count: int
-    insertion: Insertion | None = field(default_factory=lambda: None, metadata=LATER)
+    insertion: Insertion | None = field(default=None, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ class KitProgress:
     parts: tuple[KitPart, ...] = ()
     complete: int = 0
     incomplete: int = 0
-    bins_without: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
+    bins_without: tuple[str, ...] = field(default=(), metadata=LATER)
 
     @property
     def counts(self) -> Mapping[str, int]:

@@ -35,9 +35,9 @@ class Recipe:
     strategy: str = ""
     threshold: float | None = None
     speed: float | None = None
-    items: tuple[KitItem, ...] = field(default_factory=tuple, metadata=LATER)
-    in_order: bool = field(default_factory=bool, metadata=LATER)
-    bin: str = field(default_factory=str, metadata=LATER)
+    items: tuple[KitItem, ...] = field(default=(), metadata=LATER)
+    in_order: bool = field(default=False, metadata=LATER)
+    bin: str = field(default="", metadata=LATER)
 
 
 def names_of(places: int, names: tuple[str, ...]) -> tuple[str, ...]:

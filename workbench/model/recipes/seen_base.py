@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copy_pose, frozen, put
+from workbench.model.geometry import Floats, own, put
 from workbench.model.messages.cells import SeenBaseText
 from workbench.model.messages.message import Message
 
@@ -56,14 +56,8 @@ class SeenBase:
             raise InputError(SeenBaseText.EITHER())
         if self.covariance is not None and np.shape(self.covariance) != (6, 6):
             raise InputError(SeenBaseText.COVARIANCE())
-        put(
-            self,
-            T_world_part=None if self.T_world_part is None else copy_pose(self.T_world_part),
-            covariance=None if self.covariance is None else frozen(self.covariance),
-            shift=float(self.shift),
-            turn=float(self.turn),
-            visible=float(self.visible),
-        )
+        own(self, "T_world_part", "covariance")
+        put(self, shift=float(self.shift), turn=float(self.turn), visible=float(self.visible))
 
     def message(self, base: str) -> Message:
         """Where a part of that name was seen, or why it was not, in one sentence."""

@@ -58,7 +58,7 @@ EMPTY = 0.004
 """Share of the floor that may be covered in an empty bin: noise."""
 
 WHOLE_FLOOR = 0.95
-"""Where less than this share of the floor is seen, it is said how much."""
+"""Share of the floor below which the seen share is reported."""
 
 
 def check_bin(scan: Scan, bin: Bin) -> BinCheck:

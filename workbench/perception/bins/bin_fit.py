@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numba import njit
 
-from workbench.model.geometry import Floats, frozen, put, sampled
+from workbench.model.geometry import Floats, own, sampled
 from workbench.model.part import Bin
 
 SEARCHED_WITHIN, MOST_TILTED = 0.008, float(np.deg2rad(2.0))
@@ -83,12 +83,7 @@ class SeenBin:
     wall_shares: Floats
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            floor=frozen(self.floor),
-            walls=frozen(self.walls),
-            wall_shares=frozen(self.wall_shares),
-        )
+        own(self, "floor", "walls", "wall_shares")
 
     @property
     def is_floor_seen(self) -> bool:

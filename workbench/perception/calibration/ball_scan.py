@@ -36,7 +36,7 @@ def sight_balls(scan: Scan, artefact: BallArtefact, name: str, q: Floats, seed: 
         seed: of a simulated scan.
 
     Raises:
-        InputError: too few balls are seen, covered ones, or none that are as far from each other.
+        InputError: too few balls are seen, some are covered, or none have the stated distances.
     """
     found = find_balls(scan.points, artefact.radius)[0]
     count, lengths = len(artefact.centres), artefact.lengths

@@ -42,7 +42,7 @@ FARTHEST_POINT = 20.0
 """[m] Points further from the scanner along one of its axes are outliers."""
 
 MOST_KEPT = 15_000
-"""Points of a scan that are kept with an observation."""
+"""Points of a scan that an observation stores."""
 
 
 def find_balls(points: Floats, radius: float) -> tuple[Floats, Floats]:

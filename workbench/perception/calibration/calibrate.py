@@ -46,7 +46,7 @@ LARGEST_USUAL = 0.004
 """[m] More than this is never taken for usual."""
 
 HOPELESS = 0.01
-"""[m] Where not even half of the poses agree so well, nothing can be said."""
+"""[m] Error within which at least half of the poses must agree."""
 
 MOST_ROUNDS = 10
 """Of fitting and leaving out, at most."""
@@ -72,7 +72,7 @@ def calibrate(poses: Sequence[PlatePose], centres: Floats) -> Calibration:
         centres: (3, 3) [m] of the balls in the plate's frame.
 
     Raises:
-        InputError: too few poses, too similar ones, or ones that do not agree; says which, and
+        InputError: too few poses, too similar poses, or poses that do not agree; states which, and
             what of the scanner's pose they leave open.
     """
     wanted = [pose for pose in poses if pose.is_used]

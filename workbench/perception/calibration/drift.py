@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtr
 
-from workbench.model.geometry import Bools, Floats, Ints, frozen, put
+from workbench.model.geometry import Bools, Floats, Ints, frozen, own, put
 from workbench.perception.calibration.things import Kind, ThingSighting
 
 DAY = 86400.0
@@ -74,8 +74,7 @@ class DriftHistory:
     is_significant: Bools
 
     def __post_init__(self) -> None:
-        for name in ("moved", "change", "deviation", "freedom"):
-            put(self, **{name: frozen(getattr(self, name))})
+        own(self, "moved", "change", "deviation", "freedom")
         put(
             self,
             days=frozen(self.days, np.int64),
@@ -110,7 +109,7 @@ def known(information: Floats) -> Bools:
 
 
 def estimated(sightings: Sequence[ThingSighting]) -> DriftEstimate:
-    """The motion of the scanner that sightings tell by least squares, and how sure it is.
+    """The motion of the scanner by least squares over sightings, with its information.
 
     Their own information says how directions compare; how large their errors are is taken from
     what they leave over, where there are enough of them.

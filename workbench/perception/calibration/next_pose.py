@@ -1,4 +1,4 @@
-"""What one more pose of the plate would tell."""
+"""The reduction of errors by one more pose of the plate."""
 
 from collections.abc import Sequence
 

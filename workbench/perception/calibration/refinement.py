@@ -1,4 +1,4 @@
-"""What is to be said of a scanner that may have drifted, and its pose by all that is known.
+"""Whether a scanner has drifted, and its pose from all measurements.
 
 A bin can be moved by people.  So it never says that the scanner has drifted: fixtures do, which
 belong to the robot's world, and parts that the robot has put down.  What is known of the pose (the
@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import stdtr
 
-from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, own
 from workbench.perception.calibration.drift import (
     CHANCE,
     DAY,
@@ -56,7 +56,7 @@ class Drift:
 
     def __post_init__(self) -> None:
         if self.moved is not None and self.covariance is not None:
-            put(self, moved=frozen(self.moved), covariance=frozen(self.covariance))
+            own(self, "moved", "covariance")
 
 
 def drift_of(sightings: Sequence[ThingSighting], prior: Floats, distance: float) -> Drift:
@@ -72,7 +72,9 @@ def drift_of(sightings: Sequence[ThingSighting], prior: Floats, distance: float)
     fixed = [course for course in drifts if course.kind == "fixture"]
     steady = [course for course in fixed if _is_steady(course, fixed)]
     has_drifted = any(course.is_significant.any() for course in steady)
-    put_down = _recent([sighting for sighting in sightings if sighting.kind == "part"], has_drifted)
+    put_down = _select_recent(
+        [sighting for sighting in sightings if sighting.kind == "part"], has_drifted
+    )
     by_parts = estimate_from_parts(put_down) if len(put_down) >= FEWEST_PARTS else None
     drifted = [course.thing for course in steady if course.is_significant.any()]
     others = list(steady)
@@ -92,11 +94,11 @@ def drift_of(sightings: Sequence[ThingSighting], prior: Floats, distance: float)
     left = tuple(name for name, is_seen in zip(POSE_DIRECTIONS, seen, strict=True) if not is_seen)
     moved = covariance = None
     if has_drifted or by_parts is not None:
-        moved, covariance = _together(prior, steady if has_drifted else [], by_parts, distance)
+        moved, covariance = _combine(prior, steady if has_drifted else [], by_parts, distance)
     return Drift(drifts, tuple(drifted), is_bin_off, left, moved, covariance, len(put_down))
 
 
-def _recent(put_down: list[ThingSighting], has_drifted: bool) -> list[ThingSighting]:
+def _select_recent(put_down: list[ThingSighting], has_drifted: bool) -> list[ThingSighting]:
     """Those of the last days, where what was before is of a scanner that hung elsewhere."""
     if not has_drifted or not put_down:
         return put_down
@@ -167,7 +169,7 @@ def _disagree(course: DriftHistory, other: DriftHistory) -> Bools:
     return np.asarray(odds < CHANCE / 6)
 
 
-def _together(
+def _combine(
     prior: Floats, changes: Sequence[DriftHistory], by_parts: DriftEstimate | None, distance: float
 ) -> tuple[Floats, Floats]:
     """The motion (6,) of the scanner and its covariance (6, 6) from all measurements.

@@ -41,7 +41,7 @@ ALONE = 1e-6
 """Of a direction of a pose no more than this share is known without it: nothing is."""
 
 CONFIDENCE = 0.95
-"""Share of calibrations in which a point is no further off than is said."""
+"""Confidence level of the stated errors of points."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,10 +14,9 @@ import open3d as o3d
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, own
 from workbench.model.scan import Detection, Scan
 from workbench.perception.bins.bin_check import check_bin
-from workbench.perception.calibration.plate_poses import crosses
 from workbench.perception.views.surfaces import add_solids, add_surface, triangles_of
 
 Kind = Literal["bin", "fixture", "part"]
@@ -72,12 +71,7 @@ class ThingSighting:
     slopes: Floats = field(default_factory=lambda: -np.eye(6))
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            off=frozen(self.off),
-            information=frozen(self.information),
-            slopes=frozen(self.slopes),
-        )
+        own(self, "off", "information", "slopes")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,7 +106,7 @@ def put_slopes(
     moved = T_world_put * T_world_found.inverse()
     moved = to_world.actInv(moved * to_world)
     carried = np.kron(np.eye(2), moved.rotation)
-    carried[:3, 3:] = crosses(moved.translation[None])[0] @ moved.rotation
+    carried[:3, 3:] = pin.skew(moved.translation) @ moved.rotation
     kept = _at(T_world_found.translation - middle, keeps)
     rest = _at(T_world_put.translation - middle, LYING)
     return -(np.eye(6) - rest @ carried @ kept)
@@ -182,7 +176,7 @@ def motion_of(step: Floats, point: Floats) -> pin.SE3:
 def moved_to(by: Floats) -> Floats:
     """Motions at a point, as motions at one that is `by` (3,) [m] from it, (6, 6)."""
     found = np.eye(6)
-    found[:3, 3:] = -crosses(by[None])[0]
+    found[:3, 3:] = -pin.skew(by)
     return found
 
 

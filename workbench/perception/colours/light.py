@@ -32,7 +32,7 @@ MOST_DIFFERENT = 16.0
 and a point of something else says little."""
 
 UNLIKE = 6.0
-"""Squared distance, in deviations, from which two colours are different ones."""
+"""Squared distance, in deviations, from which two colours are different."""
 
 
 def features(shares: Floats) -> Floats:

@@ -6,7 +6,7 @@ from itertools import permutations, product
 import numpy as np
 import open3d as o3d
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, own
 from workbench.model.part import Part
 from workbench.model.scan import Scan
 from workbench.perception.colours.light import SPREAD, are_unlike
@@ -36,7 +36,7 @@ class Painted:
     motions: Floats
 
     def __post_init__(self) -> None:
-        put(self, paints=frozen(self.paints), motions=frozen(self.motions))
+        own(self, "paints", "motions")
 
     def at(self, points: Floats, pose: Floats) -> Floats:
         """Paints (n, 3) that the part at a pose (4, 4) has at points (n, 3) [m]."""

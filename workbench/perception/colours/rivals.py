@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, own
 from workbench.perception.colours.painted import Painted
 from workbench.perception.localization.alternatives import is_better
 from workbench.perception.localization.assessment import FAR_BEHIND, refine_at_full_resolution
-from workbench.perception.localization.judging import PartSearch
+from workbench.perception.localization.choice import PartSearch
 from workbench.perception.matching.sightings import closeness, tally
 from workbench.perception.parts.part_surface import PartSurface
 
@@ -26,7 +26,7 @@ class Guess:
     shown: Floats
 
     def __post_init__(self) -> None:
-        put(self, pose=frozen(self.pose), shown=frozen(self.shown))
+        own(self, "pose", "shown")
 
 
 @dataclass(slots=True, eq=False)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, own
 from workbench.model.scan import Objection, Scan
 from workbench.perception.colours.light import SPREAD, UNLIKE, are_unlike, distances, spread
 from workbench.perception.colours.painted import (
@@ -22,9 +22,8 @@ from workbench.perception.colours.painted import (
 )
 from workbench.perception.colours.rivals import Guess, ShapeScores
 from workbench.perception.localization.assessment import Assessment
-from workbench.perception.localization.choice import Choice
-from workbench.perception.localization.judging import PartSearch, without
-from workbench.perception.matching.sightings import look
+from workbench.perception.localization.choice import Choice, PartSearch
+from workbench.perception.localization.judging import without
 from workbench.perception.views.srgb import linear
 
 FITS = 8.0
@@ -53,7 +52,7 @@ class SeenPart:
     table: Floats | None
 
     def __post_init__(self) -> None:
-        put(self, paints=frozen(self.paints))
+        own(self, "paints")
 
     def misses(self) -> Floats:
         """Mean squared distance (g, l) of each guess under each light."""
@@ -83,30 +82,30 @@ class ColourReading:
     assessed: Assessment
 
 
-def resolve_by_colour(scan: Scan, brought: Sequence[PartSearch]) -> list[PartSearch]:
+def resolve_by_colour(scan: Scan, searches: Sequence[PartSearch]) -> list[PartSearch]:
     """The searches of all kinds, each part that was chosen as its colours show it.
 
     Args:
         scan: with or without colours.
-        brought: what was found by shape, of all kinds.
+        searches: what was found by shape, of all kinds.
     """
-    kinds = [painted(search.part, search.surface) for search in brought]
+    kinds = [painted(search.part, search.surface) for search in searches]
     if all(kind is None for kind in kinds):
-        return list(brought)
+        return list(searches)
     on = {
         (k, i): points_on(scan, search.surface, chosen.pose, search.tolerance)
-        for k, search in enumerate(brought)
+        for k, search in enumerate(searches)
         if kinds[k] is not None
         for i, chosen in enumerate(search.choice.chosen)
     }
     deviation = _deviation(scan, list(on.values()))
-    seen = [_look(scan, brought, kinds, k, i, points, deviation) for (k, i), points in on.items()]
+    seen = [_look(scan, searches, kinds, part, points, deviation) for part, points in on.items()]
     total = sum((each.misses().min(axis=0) for each in seen if each.table is not None), np.zeros(1))
     lights = total <= total.min() + AS_GOOD
     decisions = [
-        _decide(brought, kinds, each, lights, int(total.argmin()), deviation) for each in seen
+        _decide(searches, kinds, each, lights, int(total.argmin()), deviation) for each in seen
     ]
-    return _chosen_anew(brought, decisions)
+    return _chosen_anew(searches, decisions)
 
 
 def _deviation(scan: Scan, on: Sequence[np.ndarray]) -> Floats:
@@ -118,15 +117,16 @@ def _deviation(scan: Scan, on: Sequence[np.ndarray]) -> Floats:
 
 def _look(
     scan: Scan,
-    brought: Sequence[PartSearch],
+    searches: Sequence[PartSearch],
     kinds: Sequence[Painted | None],
-    k: int,
-    i: int,
+    part: tuple[int, int],
     on: np.ndarray,
     deviation: Floats,
 ) -> SeenPart:
-    surfaces = [each.surface for each in brought]
-    shape = ShapeScores(brought[k], surfaces, brought[k].choice.chosen[i].pose)
+    """Compare the accepted part `i` of kind `k`, `part` = (k, i), with its guesses."""
+    k, i = part
+    surfaces = [each.surface for each in searches]
+    shape = ShapeScores(searches[k], surfaces, searches[k].choice.chosen[i].pose)
     points, some = scan.points[on], shape.guesses(kinds)
     each = [kinds[guess.kind].at(points, guess.pose) for guess in some]  # type: ignore[union-attr]
     paints = np.array(each)
@@ -140,7 +140,7 @@ def _look(
 
 
 def _decide(
-    brought: Sequence[PartSearch],
+    searches: Sequence[PartSearch],
     kinds: Sequence[Painted | None],
     seen: SeenPart,
     lights: Bools,
@@ -148,7 +148,7 @@ def _decide(
     deviation: Floats,
 ) -> ColourReading:
     """What stands of the guesses at a part; `light` is the likeliest."""
-    search = brought[seen.kind]
+    search = searches[seen.kind]
     own = search.choice.chosen[seen.number]
     shape = seen.shape
     every = range(len(seen.guesses))
@@ -170,11 +170,11 @@ def _decide(
     assert kind is not None
     pose = shape.allows(chosen)
     assert pose is not None
-    target = brought[chosen.kind]
+    target = searches[chosen.kind]
     assessed = replace(
         own,
         pose=pose,
-        sighting=look(target.depth_map, target.surface, pose, target.tolerance),
+        sighting=target.look(pose),
         share=1.0 if not is_open and _flips_show(kind) else own.share,
         by_colour=not is_open,
     )
@@ -195,7 +195,7 @@ def _flips_show(kind: Painted) -> bool:
 
 
 def _chosen_anew(
-    brought: Sequence[PartSearch], decisions: Sequence[ColourReading]
+    searches: Sequence[PartSearch], decisions: Sequence[ColourReading]
 ) -> list[PartSearch]:
     """The searches with the decisions by colour applied to kinds and rotations."""
     choices = [
@@ -204,7 +204,7 @@ def _chosen_anew(
             list(search.choice.chosen),
             list(search.choice.rejected),
         )
-        for search in brought
+        for search in searches
     ]
     for decision in decisions:
         if decision.guess.kind == decision.kind:
@@ -215,7 +215,7 @@ def _chosen_anew(
             for decision in decisions
             if k == decision.kind != decision.guess.kind
         }
-        for k in range(len(brought))
+        for k in range(len(searches))
     ]
     choices = [without(*each) for each in zip(choices, lost, strict=True)]
     for decision in decisions:
@@ -225,4 +225,6 @@ def _chosen_anew(
             if np.count_nonzero(choice.claimed[explained] >= 0) < len(explained) / 2:
                 choice.claimed[explained] = len(choice.chosen)
                 choice.chosen.append(decision.assessed)
-    return [replace(search, choice=choice) for search, choice in zip(brought, choices, strict=True)]
+    return [
+        replace(search, choice=choice) for search, choice in zip(searches, choices, strict=True)
+    ]

@@ -27,7 +27,7 @@ nuts, cups and screws in simulated piles, as three kinds of scanner see them, ar
 they say."""
 
 NEARBY = np.deg2rad([-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0])
-"""[rad] Turns beside the pose that are compared with it."""
+"""[rad] Rotations from the pose that are compared with it."""
 
 FINE = np.deg2rad(np.linspace(-8.0, 8.0, 33))
 """[rad] Turns about the near-symmetry axis by which the outline is compared."""
@@ -100,9 +100,9 @@ def share_nearby(
         moved[:3, 3] += angle * motion[:3]
         tried.append(moved)
     own, *others = tally(depth_map, surface, np.array(tried), tolerance)
-    beside = weights(own, np.array(others))
+    likely = weights(own, np.array(others))
     is_same = np.abs(NEARBY) < SAME_TURN
-    return float((1.0 + beside[is_same].sum()) / (1.0 + beside.sum()))
+    return float((1.0 + likely[is_same].sum()) / (1.0 + likely.sum()))
 
 
 def share_of_turns(error: float) -> float:

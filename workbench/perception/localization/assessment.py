@@ -4,13 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, own
 from workbench.perception.localization.alternatives import is_better, turn_by_outline, weights
 from workbench.perception.localization.certainty import count_shared
-from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
+from workbench.perception.localization.hypotheses import SAME_ANGLE, select_distinct
 from workbench.perception.localization.settling import is_constrained, refine_poses, roll_error
 from workbench.perception.matching.maps import DepthMap
-from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import (
     Sighting,
     closeness,
@@ -78,7 +77,7 @@ class Assessment:
     outline_error: float = 0.0
 
     def __post_init__(self) -> None:
-        put(self, pose=frozen(self.pose))
+        own(self, "pose")
 
 
 def assess(
@@ -95,7 +94,7 @@ def assess(
     """
     motions = surface.symmetry.motions
     pose = _best_of(depth_map, coarse_map, surface, pose @ motions, tolerance)
-    others = _different(coarse_map, surface, pose, tolerance)
+    others = _select_different(coarse_map, surface, pose, tolerance)
     for _ in range(MOST_SWITCHES):
         tallies = tally(depth_map, surface, pose @ motions[[0, *others[:RIVALS]]], tolerance)
         best = int(closeness(tallies).argmax())
@@ -104,7 +103,7 @@ def assess(
         # Turns of a pose that lies well are seen better than those of one that did not.
         rival = pose @ motions[others[[best - 1]]]
         pose = _best_of(depth_map, coarse_map, surface, rival, tolerance)
-        others = _different(coarse_map, surface, pose, tolerance)
+        others = _select_different(coarse_map, surface, pose, tolerance)
     is_turn = _are_turns(surface, others)
     turns = others[is_turn][:RIVALS]
     sighting = look(depth_map, surface, pose, tolerance)
@@ -127,11 +126,16 @@ def assess(
     is_round = surface.symmetry.axis is not None
     # Where the roll is not known, all turns about the axis are one pose.
     flips = others[~is_turn][: 1 if is_round else MOST_SHARING]
-    sharing = _rested(depth_map, surface, pose, pose @ motions[flips], own, tolerance, FAR_BEHIND)
+    value = float(closeness(own[None])[0])
+    least = (1.0 - FAR_BEHIND) * value
+    sharing = _tally_refined(depth_map, surface, pose, pose @ motions[flips], tolerance, least)
     if len(turns) > 0 and is_known:
         # A screw that is turned by a face of its head and shifted along its thread looks the same.
-        nearest = _slid(depth_map, surface, pose @ motions[turns[:SHARING_TURNS]], tolerance)
-        rested = _rested(depth_map, surface, pose, nearest, own, tolerance, TURNED_FAR_BEHIND)
+        nearest = _slide_along_axis(
+            depth_map, surface, pose @ motions[turns[:SHARING_TURNS]], tolerance
+        )
+        least = (1.0 - TURNED_FAR_BEHIND) * value
+        rested = _tally_refined(depth_map, surface, pose, nearest, tolerance, least)
         is_known = is_better(own, rested)
         sharing = np.concatenate([sharing, rested, turned[SHARING_TURNS:]])
     return Assessment(
@@ -154,7 +158,7 @@ def _are_turns(surface: PartSurface, which: np.ndarray) -> np.ndarray:
     return (moved @ axis > np.cos(SAME_ANGLE)).any(axis=1)
 
 
-def _different(
+def _select_different(
     coarse_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
 ) -> np.ndarray:
     """Which near-symmetries (k,) make a different pose of one, the best at a glance first."""
@@ -162,23 +166,17 @@ def _different(
     others = pose @ motions
     order = np.argsort(-closeness(tally(coarse_map, surface, others, tolerance)), kind="stable")
     both = np.concatenate([pose[None], others])
-    return _apart(surface, both, np.concatenate([[0], order + 1]))[1:] - 1
+    return _select_apart(surface, both, np.concatenate([[0], order + 1]))[1:] - 1
 
 
-def _apart(surface: PartSurface, poses: Floats, order: np.ndarray) -> np.ndarray:
+def _select_apart(surface: PartSurface, poses: Floats, order: np.ndarray) -> np.ndarray:
     """Which of the poses (k, 4, 4), the first in the order (k,) first, are turned otherwise."""
-    return distinct(
-        poses,
-        order,
-        surface.stated,
-        surface.fixed,
-        distance=np.inf,
-        angle=np.pi if surface.is_ball else SAME_ANGLE,
-        most=len(poses),
-    )
+    return select_distinct(surface, poses, order, distance=np.inf)
 
 
-def _slid(depth_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+def _slide_along_axis(
+    depth_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: float
+) -> Floats:
     """The poses (k, 4, 4), each shifted along its near-symmetry axis to where it is seen best."""
     assert surface.symmetry.axis is not None
     slides = np.tile(np.eye(4), (len(SLIDES), 1, 1))
@@ -188,25 +186,22 @@ def _slid(depth_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: f
     return poses @ slides[seen.argmax(axis=1)]
 
 
-def _rested(
+def _tally_refined(
     depth_map: DepthMap,
     surface: PartSurface,
     pose: Floats,
     rivals: Floats,
-    own: Floats,
     tolerance: float,
-    far: float,
+    least: float,
 ) -> Floats:
-    """The tallies (m, 4) [px] of rivals (k, 4, 4) of a pose with a tally (4,), brought to rest.
+    """The tallies (m, 4) [px] of rivals (k, 4, 4) of a pose after their refinement.
 
-    Those that are seen less well by the share `far` are left out, and those that come to rest where
-    others are.
+    Rivals with a closeness below `least` [px] are left out, and those that end where others do.
     """
-    seen = closeness(tally(depth_map, surface, rivals, tolerance))
-    rivals = rivals[seen >= (1.0 - far) * closeness(own[None])[0]]
+    rivals = rivals[closeness(tally(depth_map, surface, rivals, tolerance)) >= least]
     rivals = refine_at_full_resolution(depth_map, surface, rivals, tolerance)
     both = np.concatenate([pose[None], rivals])
-    rivals = both[_apart(surface, both, np.arange(len(both)))[1:]]
+    rivals = both[_select_apart(surface, both, np.arange(len(both)))[1:]]
     return tally(depth_map, surface, rivals, tolerance)
 
 
@@ -232,15 +227,7 @@ def _best_of(
 ) -> Floats:
     """The best of the poses (k, 4, 4), after polishing the few that look best."""
     glances = closeness(tally(coarse_map, surface, poses, tolerance))
-    kept = distinct(
-        poses,
-        np.argsort(-glances, kind="stable"),
-        surface.stated,
-        surface.fixed,
-        distance=SAME_DISTANCE * surface.diameter,
-        angle=np.pi if surface.is_ball else SAME_ANGLE,
-        most=RIVALS,
-    )
+    kept = select_distinct(surface, poses, np.argsort(-glances, kind="stable"), most=RIVALS)
     steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
     rough = refine_poses(coarse_map, surface, poses[kept], tolerance, steps[:3])
     values = closeness(tally(depth_map, surface, rough, tolerance))

@@ -18,11 +18,11 @@ from scipy.ndimage import binary_erosion
 from workbench.model.geometry import Floats, frozen
 from workbench.model.scan import Objection, ScaleCheck
 from workbench.perception.localization.assessment import refine_at_full_resolution
-from workbench.perception.localization.choice import enough
-from workbench.perception.localization.judging import JudgedChoice, PartSearch, without
+from workbench.perception.localization.choice import PartSearch, enough
+from workbench.perception.localization.judging import JudgedChoice, without
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.registration import move, transformed
-from workbench.perception.matching.sightings import AGREEING, Drawing, look, predicted
+from workbench.perception.matching.sightings import AGREEING, Drawing, predicted
 from workbench.perception.parts.part_surface import PartSurface, resize_surface
 
 FIT_STEPS = 6
@@ -164,7 +164,7 @@ def _pair(
     off = np.sum(n * rays, axis=1) * (depth - shown[j, i])
     agrees = np.sum(n * seen.normals[v, u], axis=1) > AGREEING
     on = (depth > 0) & (np.abs(off) <= tolerance) & seen.foreground[v, u] & agrees
-    # The predicted points, not the measured ones: the noise of these would look like size.
+    # Predicted points, since the noise of measured points would look like size.
     return _Pairs((rays * shown[j, i][:, None])[on], n[on], off[on])
 
 
@@ -206,7 +206,7 @@ def fit_to_surface(
     """
     surface = search.surface
     poses = refine_at_full_resolution(search.depth_map, surface, poses, search.tolerance)
-    sightings = [look(search.depth_map, surface, pose, search.tolerance) for pose in poses]
+    sightings = [search.look(pose) for pose in poses]
     fallen = {
         i: Objection.TOO_LITTLE
         for i, sighting in enumerate(sightings)

@@ -5,7 +5,6 @@ tried.  The one counts that the scan meets better, outlines included, if it does
 the CAD file.  The search goes on with that surface.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,9 +17,9 @@ from workbench.perception.localization.cad_scale import (
     fit_to_surface,
     scale_check,
 )
-from workbench.perception.localization.choice import Choice, Hypothesis
+from workbench.perception.localization.choice import Choice, Compete, Hypothesis, PartSearch
 from workbench.perception.localization.floor_contact import agree, shown_offsets, shown_scales
-from workbench.perception.localization.judging import JudgedChoice, PartSearch
+from workbench.perception.localization.judging import JudgedChoice
 from workbench.perception.localization.loosening import measure_explained
 from workbench.perception.localization.settling import refine_poses
 from workbench.perception.matching.poses import distinct
@@ -62,9 +61,6 @@ outlines too small, some too large."""
 LEAST_EXPLAINED = 0.5
 """Share of what lies in the bin that parts of a changed surface must explain."""
 
-Compete = Callable[[Sequence[PartSearch], Sequence[list[Hypothesis]]], None]
-"""Takes the hypotheses of each kind that hold together."""
-
 
 def allow_changes(found: list[PartSearch], compete: Compete) -> list[PartSearch]:
     """The searches with the surfaces that the scan shows, where CAD files have others.
@@ -73,15 +69,12 @@ def allow_changes(found: list[PartSearch], compete: Compete) -> list[PartSearch]
         found: the searches of all kinds, after a vote.
         compete: see there.
     """
-    changed = [_changed(search) for search in found]
+    changed = [_change_surface(search) for search in found]
     if all(search is before for search, before in zip(changed, found, strict=True)):
         return found
-    changed = [
-        replace(search, choice=Choice(np.full(search.depth_map.depth.size, -1), [], []))
-        for search in changed
-    ]
+    changed = [replace(search, choice=Choice.empty(search.depth_map)) for search in changed]
     compete(
-        changed, [_again(search, before) for search, before in zip(changed, found, strict=True)]
+        changed, [_restart(search, before) for search, before in zip(changed, found, strict=True)]
     )
     # Changed far enough, a part fits on many others: it must explain most of what lies there.
     least = max(LEAST_EXPLAINED, measure_explained(found))
@@ -110,7 +103,7 @@ def report_shape(
         if shown is not None and abs(shown.value) > REPORTED:
             changed = find_change(search, np.array(poses[:MOST_TRIED]), REPORTED)
             if changed is not search:
-                moved = _stay(changed, np.array(poses))
+                moved = _keep_seen_in_place(changed, np.array(poses))
                 search, standing = fit_to_surface(changed, standing, moved)
                 poses = [chosen.pose for chosen in standing.choice.chosen]
     if search.scaled != 1.0:
@@ -140,11 +133,11 @@ def _report_scale(
     return search, standing, (said,), ()
 
 
-def _changed(search: PartSearch) -> PartSearch:
+def _change_surface(search: PartSearch) -> PartSearch:
     """The search for a part with the surface that the scan shows, if that is another one."""
     if search.is_loose or search.grown != 0.0 or search.scaled != 1.0:
         return search
-    poses = _tried(search)
+    poses = _select_tried(search)
     offsets = shown_offsets(search, poses)
     if len(offsets) < FEWEST_TRIED or abs(np.median(offsets)) < NOTICED * search.tolerance:
         return search
@@ -159,20 +152,20 @@ def find_change(search: PartSearch, poses: Floats, least: float) -> PartSearch:
         poses: each fitted to what is seen, in the scanner's frame.
         least: [m] by which the surface has to move somewhere.
     """
-    best, close = search, LEAST_CLOSE * _closeness(search, _rested(search, poses))
-    for trial in (_grown(search, poses), _scaled(search, poses)):
+    best, close = search, LEAST_CLOSE * _closeness(search, _refine(search, poses))
+    for trial in (_grow(search, poses), _resize(search, poses)):
         if trial is None:
             continue
         larger = abs(trial.scaled - 1.0) * search.surface.diameter / 2
         if max(abs(trial.grown), larger) < least:
             continue
-        now = _closeness(trial, _rested(trial, poses))
+        now = _closeness(trial, _refine(trial, poses))
         if now > close:
             best, close = trial, now
     return best
 
 
-def _grown(search: PartSearch, poses: Floats) -> PartSearch | None:
+def _grow(search: PartSearch, poses: Floats) -> PartSearch | None:
     """The search with a surface that stands off as parts show it, None where they do not agree."""
     stated = search.part.tolerance
     most = MOST_OFF * search.surface.diameter if stated is None else stated
@@ -185,11 +178,11 @@ def _grown(search: PartSearch, poses: Floats) -> PartSearch | None:
 
     # A first guess brings the poses to rest, by which it is read again.
     trial = grow(float(np.median(shown_offsets(search, poses))))
-    shown = agree(shown_offsets(trial, _good(trial, poses)), SAME_OFFSET, FEWEST_TRIED)
+    shown = agree(shown_offsets(trial, _select_good(trial, poses)), SAME_OFFSET, FEWEST_TRIED)
     return None if shown is None or abs(shown.value) < REPORTED else grow(shown.value)
 
 
-def _scaled(search: PartSearch, poses: Floats) -> PartSearch | None:
+def _resize(search: PartSearch, poses: Floats) -> PartSearch | None:
     """The search with a surface as large as parts show it, None where they do not agree."""
 
     def scale(size: float) -> PartSearch:
@@ -197,17 +190,13 @@ def _scaled(search: PartSearch, poses: Floats) -> PartSearch | None:
         return replace(search, surface=resize_surface(search.surface, size), scaled=size)
 
     trial = scale(float(np.median(shown_scales(search, poses))))
-    shown = agree(shown_scales(trial, _good(trial, poses)), SAME_SCALE, FEWEST_TRIED)
+    shown = agree(shown_scales(trial, _select_good(trial, poses)), SAME_SCALE, FEWEST_TRIED)
     return None if shown is None or abs(shown.value - 1.0) < SAME_SCALE else scale(shown.value)
 
 
-def _good(search: PartSearch, poses: Floats) -> list[Floats]:
+def _select_good(search: PartSearch, poses: Floats) -> list[Floats]:
     """Of the poses (k, 4, 4), brought to rest, those (4, 4) that explain much of what they show."""
-    return [
-        pose
-        for pose in _rested(search, poses)
-        if look(search.depth_map, search.surface, pose, search.tolerance).score >= LEAST_SCORE
-    ]
+    return [pose for pose in _refine(search, poses) if search.look(pose).score >= LEAST_SCORE]
 
 
 def _closeness(search: PartSearch, poses: Floats) -> float:
@@ -216,7 +205,7 @@ def _closeness(search: PartSearch, poses: Floats) -> float:
     return float(np.maximum(closeness(tallies), 0.0).sum())
 
 
-def _tried(search: PartSearch) -> Floats:
+def _select_tried(search: PartSearch) -> Floats:
     """The poses (k, 4, 4) that may be parts of which the other side is off."""
     outside = [each for each in search.choice.rejected if each.reason is Objection.OUTSIDE]
     outside.sort(key=lambda each: -each.sighting.score)
@@ -232,20 +221,24 @@ def _tried(search: PartSearch) -> Floats:
     ]  # fmt: skip
 
 
-def _rested(search: PartSearch, poses: Floats) -> Floats:
+def _refine(search: PartSearch, poses: Floats) -> Floats:
     """Poses (k, 4, 4) of the part as its CAD file has it, brought to rest with the surface."""
-    poses = _roughly_rested(search, poses)
+    poses = _refine_roughly(search, poses)
     return refine_at_full_resolution(search.depth_map, search.surface, poses, search.tolerance)
 
 
-def _roughly_rested(search: PartSearch, poses: Floats) -> Floats:
+def _refine_roughly(search: PartSearch, poses: Floats) -> Floats:
     steps = tuple(step * search.surface.diameter for step in STEP_LENGTHS)
     return refine_poses(
-        search.coarse_map, search.surface, _stay(search, poses), 2 * search.tolerance, steps
+        search.coarse_map,
+        search.surface,
+        _keep_seen_in_place(search, poses),
+        2 * search.tolerance,
+        steps,
     )
 
 
-def _stay(search: PartSearch, poses: Floats) -> Floats:
+def _keep_seen_in_place(search: PartSearch, poses: Floats) -> Floats:
     """The poses (k, 4, 4) moved so that what is seen of a part of another size stays in place."""
     if search.scaled == 1.0:
         return poses
@@ -260,15 +253,12 @@ def _stay(search: PartSearch, poses: Floats) -> Floats:
     return moved
 
 
-def _again(search: PartSearch, before: PartSearch) -> list[Hypothesis]:
+def _restart(search: PartSearch, before: PartSearch) -> list[Hypothesis]:
     """What was taken and what was rejected before, brought to rest with the surface of now."""
-    poses = np.array([each.pose for each in (*before.choice.chosen, *before.choice.rejected)])
+    poses = before.choice.poses
     if len(poses) == 0:
         return []
     if search.surface is not before.surface:
-        poses = _roughly_rested(search, poses)
+        poses = _refine_roughly(search, poses)
     poses = poses[search.are_possible(poses)]
-    return [
-        Hypothesis(pose, look(search.depth_map, search.surface, pose, search.tolerance))
-        for pose in poses
-    ]
+    return [search.hypothesis(pose) for pose in poses]

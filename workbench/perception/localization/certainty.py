@@ -7,6 +7,7 @@ nothing holds is known no better than that the part was found there.
 """
 
 import numpy as np
+import pinocchio as pin
 from scipy.ndimage import uniform_filter
 
 from workbench.model.geometry import Floats
@@ -141,11 +142,6 @@ def covariance(
     arm = pose[:3, :3] @ surface.middle
     to_origin = np.zeros((6, 6))
     to_origin[:3, 3:] = np.eye(3)
-    to_origin[:3, :3] = _cross(arm) / radius
+    to_origin[:3, :3] = pin.skew(arm) / radius
     to_origin[3:, :3] = np.eye(3) / radius
     return to_origin @ about_middle @ to_origin.T
-
-
-def _cross(v: Floats) -> Floats:
-    """The matrix (3, 3) of a cross product with v from the left."""
-    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])

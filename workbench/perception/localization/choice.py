@@ -1,20 +1,24 @@
 """Which hypotheses are parts: the best first, each by pixels that no accepted part explains."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Protocol
 
 import numpy as np
 import open3d as o3d
 import pinocchio as pin
 from numba import njit
 
-from workbench.model.geometry import Bools, Floats, frozen, put
-from workbench.model.part import Bin
+from workbench.model.geometry import Bools, Floats, own
+from workbench.model.part import Bin, Part
 from workbench.model.scan import Objection
 from workbench.perception.bins.bin_fit import SeenBin, inside_by
 from workbench.perception.localization.assessment import Assessment
-from workbench.perception.matching.likelihood import log_likelihood_ratio
-from workbench.perception.matching.sightings import Sighting
+from workbench.perception.localization.outline import LEAST_ENDS
+from workbench.perception.matching.likelihood import MOST_FOR_PART, log_likelihood_ratio
+from workbench.perception.matching.maps import DepthMap
+from workbench.perception.matching.sightings import Sighting, look
 from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.views.motions import motion_of, moved
 
@@ -46,7 +50,7 @@ class Hypothesis:
     sighting: Sighting
 
     def __post_init__(self) -> None:
-        put(self, pose=frozen(self.pose))
+        own(self, "pose")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +66,7 @@ class Rejection:
     rival: int | None = None
 
     def __post_init__(self) -> None:
-        put(self, pose=frozen(self.pose))
+        own(self, "pose")
 
 
 @dataclass(slots=True)
@@ -75,6 +79,74 @@ class Choice:
     claimed: np.ndarray
     chosen: list[Assessment]
     rejected: list[Rejection]
+
+    @classmethod
+    def empty(cls, depth_map: DepthMap) -> "Choice":
+        """The choice in a scan before anything is accepted."""
+        return cls(np.full(depth_map.depth.size, -1), [], [])
+
+    @property
+    def poses(self) -> Floats:
+        """The poses (k, 4, 4) [m] of accepted parts, then of rejected hypotheses."""
+        poses = [each.pose for each in (*self.chosen, *self.rejected)]
+        return np.array(poses).reshape(-1, 4, 4)
+
+
+class AreInside(Protocol):
+    """Says which poses may be at all."""
+
+    def __call__(self, surface: PartSurface, poses: Floats, *, tolerance: float) -> Bools:
+        """Of poses (k, 4, 4) [m] of a surface, known to a tolerance [m], which may be (k,)."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartSearch:
+    """The state of the search for one kind of part: depth maps, tolerances, accepted poses.
+
+    `depth_map` is the scan as an image for this part, `coarse_map` the same with fewer pixels;
+    `tolerance` [m] see `sightings.look`, `spread` [m] see `likelihood`.  `least_ends` see
+    `outline.has_visible_boundary`, `most` [nat] see `likelihood`; `is_loose` says that they are
+    those of `loosening`; `filled` see `scene_model.SceneModel`; `eaten` [pixels] of outlines that
+    the background eats, see `eaten`.  `heights` are those of points (n, 3) [m] in the scanner's
+    frame over the floor (n,) [m], None where that is not seen.  The surface is `grown` by so much
+    [m] over the CAD file, or `scaled`, no unit.
+    """
+
+    part: Part
+    surface: PartSurface
+    depth_map: DepthMap
+    coarse_map: DepthMap
+    tolerance: float
+    spread: float
+    are_inside: AreInside
+    choice: Choice
+    least_ends: float = LEAST_ENDS
+    most: float = MOST_FOR_PART
+    is_loose: bool = False
+    filled: float = 1.0
+    eaten: int = 0
+    heights: Callable[[Floats], Floats] | None = None
+    grown: float = 0.0
+    scaled: float = 1.0
+
+    def look(self, pose: Floats) -> Sighting:
+        """What the scan shows of the part at a pose (4, 4) [m]."""
+        return look(self.depth_map, self.surface, pose, self.tolerance)
+
+    def hypothesis(self, pose: Floats) -> Hypothesis:
+        """A hypothesis at a pose (4, 4) [m]."""
+        return Hypothesis(pose, self.look(pose))
+
+    @property
+    def are_possible(self) -> Callable[[Floats], Bools]:
+        """Which poses (k, 4, 4) of the part may be at all, (k,)."""
+        tolerance = self.tolerance if self.is_loose else 0.0
+        return partial(self.are_inside, self.surface, tolerance=tolerance)
+
+
+Compete = Callable[[Sequence[PartSearch], Sequence[list[Hypothesis]]], None]
+"""Accepts the hypotheses of each kind that hold together."""
 
 
 def are_in_bin(
@@ -129,55 +201,61 @@ def _are_in_bin(
 
 
 def take(
-    choice: Choice,
-    surface: PartSurface,
-    hypothesis: Hypothesis,
-    assess: Callable[[Hypothesis], Assessment],
-    spread: float,
-    tolerance: float,
-    are_possible: Callable[[Floats], Bools],
+    search: PartSearch, hypothesis: Hypothesis, assess: Callable[[Hypothesis], Assessment]
 ) -> Assessment | None:
-    """Take a hypothesis if it holds after a close look beside those that were taken before.
+    """Accept a hypothesis if it holds after a close look, together with the accepted parts.
 
-    It must explain enough of what it shows, and reach neither into a chosen one nor out of the
+    It must explain enough of what it shows, and reach neither into an accepted part nor out of the
     bin.  The close look may have moved it there.
 
     Args:
-        choice: what was taken before; the hypothesis is added to it, or to what was rejected.
-        surface: the part.
+        search: its choice gets the accepted part, or the rejected hypothesis.
         hypothesis: a possible pose, fitted roughly.
         assess: looks closely at a hypothesis and returns a better one.
-        spread: [m] deviation of a part's points from its surface.
-        tolerance: [m] see `sightings.look`.
-        are_possible: which of poses (k, 4, 4) may be at all, (k,).
 
     Returns:
-        What was taken, None if it was not.
+        The accepted part, None if the hypothesis is rejected.
     """
+    choice, found = search.choice, _examine(search, hypothesis, assess)
+    if isinstance(found, Rejection):
+        choice.rejected.append(found)
+        return None
+    choice.claimed[found.sighting.explained] = len(choice.chosen)
+    choice.chosen.append(found)
+    return found
 
-    def ratio(sighting: Sighting) -> float:
-        return log_likelihood_ratio(
-            sighting, choice.claimed >= 0, spread, tolerance, is_all_known=False
-        )
 
-    rejected = _objection(choice, surface, hypothesis)
-    if rejected is None and ratio(hypothesis.sighting) < HOPELESS:
-        rejected = Rejection(hypothesis.pose, hypothesis.sighting, Objection.UNKNOWN)
-    if rejected is None:
-        assessment = assess(hypothesis)
-        rejected = _objection(choice, surface, assessment) or _overlap(choice, surface, assessment)
-        if rejected is None and not are_possible(assessment.pose[None])[0]:
-            rejected = Rejection(assessment.pose, assessment.sighting, Objection.OUTSIDE)
-        if rejected is None and not assessment.is_constrained:
-            rejected = Rejection(assessment.pose, assessment.sighting, Objection.NOT_HELD)
-        if rejected is None and ratio(assessment.sighting) < 0.0:
-            rejected = Rejection(assessment.pose, assessment.sighting, Objection.UNKNOWN)
-        if rejected is None:
-            choice.claimed[assessment.sighting.explained] = len(choice.chosen)
-            choice.chosen.append(assessment)
-            return assessment
-    choice.rejected.append(rejected)
-    return None
+def _examine(
+    search: PartSearch, hypothesis: Hypothesis, assess: Callable[[Hypothesis], Assessment]
+) -> Assessment | Rejection:
+    """The part at a hypothesis after a close look, or why there is none."""
+    rejection = _objection(search, hypothesis)
+    if rejection is not None:
+        return rejection
+    if _ratio(search, hypothesis.sighting) < HOPELESS:
+        return Rejection(hypothesis.pose, hypothesis.sighting, Objection.UNKNOWN)
+    found = assess(hypothesis)
+    rejection = _objection(search, found) or _overlap(search, found)
+    if rejection is not None:
+        return rejection
+    if not search.are_possible(found.pose[None])[0]:
+        return Rejection(found.pose, found.sighting, Objection.OUTSIDE)
+    if not found.is_constrained:
+        return Rejection(found.pose, found.sighting, Objection.NOT_HELD)
+    if _ratio(search, found.sighting) < 0.0:
+        return Rejection(found.pose, found.sighting, Objection.UNKNOWN)
+    return found
+
+
+def _ratio(search: PartSearch, sighting: Sighting) -> float:
+    """The log likelihood ratio [nat] of a pose; hidden parts of the scan are unknown."""
+    return log_likelihood_ratio(
+        sighting,
+        search.choice.claimed >= 0,
+        search.spread,
+        search.tolerance,
+        is_all_known=False,
+    )
 
 
 def gain(sighting: Sighting, claimed: np.ndarray) -> float:
@@ -190,11 +268,9 @@ def enough(seen: Sighting) -> float:
     return max(LEAST_PIXELS, LEAST_VISIBLE * seen.shown)
 
 
-def _objection(
-    choice: Choice, surface: PartSurface, hypothesis: Hypothesis | Assessment
-) -> Rejection | None:
+def _objection(search: PartSearch, hypothesis: Hypothesis | Assessment) -> Rejection | None:
     """Why too little is explained that is not claimed, if so."""
-    seen = hypothesis.sighting
+    choice, surface, seen = search.choice, search.surface, hypothesis.sighting
     owners = choice.claimed[seen.explained]
     explained = int(np.count_nonzero(owners < 0))
     least = enough(seen)
@@ -212,9 +288,10 @@ def _objection(
     return None
 
 
-def _overlap(choice: Choice, surface: PartSurface, assessment: Assessment) -> Rejection | None:
-    """The first of the chosen parts that this one reaches into, if any."""
-    for rival, other in enumerate(choice.chosen):
+def _overlap(search: PartSearch, assessment: Assessment) -> Rejection | None:
+    """The first of the accepted parts that this one reaches into, if any."""
+    surface = search.surface
+    for rival, other in enumerate(search.choice.chosen):
         if reaches_into(surface, surface, _between(other.pose, assessment.pose)):
             return Rejection(assessment.pose, assessment.sighting, Objection.REACHES_INTO, rival)
     return None

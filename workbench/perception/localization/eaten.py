@@ -7,7 +7,6 @@ something nearer then counts as not measured: it is no evidence against a pose. 
 further inside stays evidence.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import ceil
 
@@ -16,11 +15,10 @@ from numba import njit
 from scipy.ndimage import distance_transform_cdt
 
 from workbench.model.geometry import Bools, Floats
-from workbench.perception.localization.choice import Choice, Hypothesis
-from workbench.perception.localization.judging import PartSearch
+from workbench.perception.localization.choice import Choice, Compete, PartSearch
 from workbench.perception.localization.loosening import measure_explained
 from workbench.perception.matching.maps import DepthMap
-from workbench.perception.matching.sightings import Sighting, look
+from workbench.perception.matching.sightings import Sighting
 
 WIDEST_ERROR = 4
 """[pixels] More is never taken for eaten: it is another part, or another size."""
@@ -40,9 +38,6 @@ FEWEST_PARTS = 2
 NOT_EATEN = 0.25
 """[pixels] A width up to it counts as none; larger ones are rounded up, less so much."""
 
-Compete = Callable[[Sequence[PartSearch], Sequence[list[Hypothesis]]], None]
-"""Takes the hypotheses of each kind that hold together."""
-
 
 def allow_eaten_outlines(found: list[PartSearch], compete: Compete) -> list[PartSearch]:
     """The searches in a scan without the background that eats outlines, where it does.
@@ -61,10 +56,7 @@ def allow_eaten_outlines(found: list[PartSearch], compete: Compete) -> list[Part
     compete(
         grown,
         [
-            [
-                Hypothesis(p.pose, look(search.depth_map, search.surface, p.pose, search.tolerance))
-                for p in (*before.choice.chosen, *before.choice.rejected)
-            ]
+            [search.hypothesis(pose) for pose in before.choice.poses]
             for search, before in zip(grown, found, strict=True)
         ],
     )
@@ -88,7 +80,7 @@ def _without_background(search: PartSearch, width: int) -> PartSearch:
         depth_map=depth_map,
         coarse_map=coarse_map,
         eaten=width,
-        choice=Choice(np.full(depth_map.depth.size, -1), [], []),
+        choice=Choice.empty(depth_map),
     )
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.model.geometry import Floats
-from workbench.perception.localization.judging import PartSearch
+from workbench.perception.localization.choice import PartSearch
 
 FEWEST_SHARE = 1 / 3
 """Of the parts asked at least this share has to agree."""

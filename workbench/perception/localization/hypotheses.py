@@ -160,10 +160,37 @@ def _best(
         distance=SAME_DISTANCE * surface.diameter,
         angle=SAME_ANGLE,
         most=most,
-        nearby=NEARBY * surface.diameter,
-        most_nearby=most_nearby,
+        nearby=(NEARBY * surface.diameter, most_nearby),
     )
     return poses[kept]
+
+
+def select_distinct(
+    surface: PartSurface,
+    poses: Floats,
+    order: np.ndarray,
+    *,
+    distance: float = SAME_DISTANCE,
+    most: int | None = None,
+) -> np.ndarray:
+    """The indices (m,) of poses (k, 4, 4) [m] that differ by more than a stated symmetry.
+
+    Args:
+        surface: the part.
+        poses: of which each stands for those after it that are the same.
+        order: indices (n,) of the poses, the best first.
+        distance: over the diameter, up to which poses can be the same.
+        most: indices that are enough; None: no limit.
+    """
+    return distinct(
+        poses,
+        order,
+        surface.stated,
+        surface.fixed,
+        distance=distance * surface.diameter,
+        angle=np.pi if surface.is_ball else SAME_ANGLE,
+        most=len(poses) if most is None else most,
+    )
 
 
 def _refine_best_symmetric(

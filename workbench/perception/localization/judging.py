@@ -5,27 +5,18 @@ last.  What something unknown explains better goes, the worst first, since parts
 other; then what does not end where it should.  The rest is asked again, until nothing goes.
 """
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import combinations
-from typing import Protocol
 
 import numpy as np
 
-from workbench.model.geometry import Bools, Floats
-from workbench.model.part import Part
+from workbench.model.geometry import Bools
 from workbench.model.scan import Objection
-from workbench.perception.localization.choice import Choice, Hypothesis, Rejection
-from workbench.perception.localization.outline import LEAST_ENDS, MOST_BENT, has_visible_boundary
-from workbench.perception.matching.likelihood import (
-    MOST_FOR_PART,
-    log_likelihood_ratio,
-    looked_through,
-)
-from workbench.perception.matching.maps import DepthMap
+from workbench.perception.localization.choice import Choice, Hypothesis, PartSearch, Rejection
+from workbench.perception.localization.outline import MOST_BENT, has_visible_boundary
+from workbench.perception.matching.likelihood import log_likelihood_ratio, looked_through
 from workbench.perception.matching.sightings import look
-from workbench.perception.parts.part_surface import PartSurface
 
 DOUBTED = 0.1
 """[nat] A part through which the scan looks by more, in the mean over what it explains, is in
@@ -37,51 +28,6 @@ SAME_SURFACE = 0.7
 """Parts of two kinds of which each explains this share of the other's pixels stand in one place."""
 
 
-class AreInside(Protocol):
-    """Says which poses may be at all."""
-
-    def __call__(self, surface: PartSurface, poses: Floats, *, tolerance: float) -> Bools:
-        """Of poses (k, 4, 4) [m] of a surface, known to a tolerance [m], which may be (k,)."""
-        ...
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PartSearch:
-    """The state of the search for one kind of part: depth maps, tolerances, accepted poses.
-
-    `depth_map` is the scan as an image for this part, `coarse_map` the same with fewer pixels;
-    `tolerance` [m] see `sightings.look`, `spread` [m] see `likelihood`.  `least_ends` see
-    `outline.has_visible_boundary`, `most` [nat] see `likelihood`; `is_loose` says that they are
-    those of `loosening`; `filled` see `scene_model.SceneModel`; `eaten` [pixels] of outlines that
-    the background eats, see `eaten`.  `heights` are those of points (n, 3) [m] in the scanner's
-    frame over the floor (n,) [m], None where that is not seen.  The surface is `grown` by so much
-    [m] over the CAD file, or `scaled`, no unit.
-    """
-
-    part: Part
-    surface: PartSurface
-    depth_map: DepthMap
-    coarse_map: DepthMap
-    tolerance: float
-    spread: float
-    are_inside: AreInside
-    choice: Choice
-    least_ends: float = LEAST_ENDS
-    most: float = MOST_FOR_PART
-    is_loose: bool = False
-    filled: float = 1.0
-    eaten: int = 0
-    heights: Callable[[Floats], Floats] | None = None
-    grown: float = 0.0
-    scaled: float = 1.0
-
-    @property
-    def are_possible(self) -> Callable[[Floats], Bools]:
-        """Which poses (k, 4, 4) of the part may be at all, (k,)."""
-        tolerance = self.tolerance if self.is_loose else 0.0
-        return partial(self.are_inside, self.surface, tolerance=tolerance)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class JudgedChoice:
     """A choice without what does not stand, and the log likelihood ratio [nat] of what does."""
@@ -90,19 +36,19 @@ class JudgedChoice:
     ratios: tuple[float, ...]
 
 
-def judge_choices(brought: Sequence[PartSearch]) -> list[JudgedChoice]:
-    """The choices of all kinds without what does not stand beside the others."""
-    areas = _areas(brought)
+def judge_choices(searches: Sequence[PartSearch]) -> list[JudgedChoice]:
+    """The choices of all kinds without the parts that others refute."""
+    areas = _explained_areas(searches)
     names = sorted(areas)
-    objections = dict.fromkeys(_outdone(brought, areas), Objection.OUTDONE)
+    objections = dict.fromkeys(_find_outdone(searches, areas), Objection.OUTDONE)
 
     def others(k: int, i: int) -> Bools:
         """The pixels of kind `k`'s maps that parts explain which stand, but the `i`-th of them."""
-        return _covered(brought, areas, k, {(k, i), *objections})
+        return _cover_pixels(searches, areas, k, {(k, i), *objections})
 
     while True:
         ratios = {
-            (k, i): _ratio(brought[k], i, others(k, i))
+            (k, i): _ratio(searches[k], i, others(k, i))
             for k, i in names
             if (k, i) not in objections
         }
@@ -114,15 +60,15 @@ def judge_choices(brought: Sequence[PartSearch]) -> list[JudgedChoice]:
             (k, i): Objection.GOES_ON
             for k, i in ratios
             if not has_visible_boundary(
-                brought[k].depth_map,
-                brought[k].surface,
-                brought[k].choice.chosen[i].pose,
-                brought[k].tolerance,
+                searches[k].depth_map,
+                searches[k].surface,
+                searches[k].choice.chosen[i].pose,
+                searches[k].tolerance,
                 others(k, i),
-                least=brought[k].least_ends,
+                least=searches[k].least_ends,
                 # Cameras that smooth, and points drawn between others, make steps even.
-                most_bent=1.0 if brought[k].is_loose or brought[k].filled > 1.0 else MOST_BENT,
-                eaten=brought[k].eaten,
+                most_bent=1.0 if searches[k].is_loose or searches[k].filled > 1.0 else MOST_BENT,
+                eaten=searches[k].eaten,
             )
         }
         if not ending:
@@ -134,12 +80,12 @@ def judge_choices(brought: Sequence[PartSearch]) -> list[JudgedChoice]:
             without(search.choice, {i: why for (j, i), why in objections.items() if j == k}),
             tuple(ratio for (j, _), ratio in ratios.items() if j == k),
         )
-        for k, search in enumerate(brought)
+        for k, search in enumerate(searches)
     ]
 
 
-def _outdone(
-    brought: Sequence[PartSearch], areas: Mapping[tuple[int, int], Mapping[int, np.ndarray]]
+def _find_outdone(
+    searches: Sequence[PartSearch], areas: Mapping[tuple[int, int], Mapping[int, np.ndarray]]
 ) -> list[tuple[int, int]]:
     """Parts in whose place one of another kind stands for which more speaks, by kind and number.
 
@@ -155,9 +101,9 @@ def _outdone(
         )
     }
     evidence = {
-        (k, i): brought[k].depth_map.pitch ** 2
+        (k, i): searches[k].depth_map.pitch ** 2
         * len(areas[k, i][k])
-        * _ratio(brought[k], i, _covered(brought, areas, k, set().union(*rivals)))
+        * _ratio(searches[k], i, _cover_pixels(searches, areas, k, set().union(*rivals)))
         for k, i in areas
         if (rivals := [pair for pair in shared if (k, i) in pair])
     }
@@ -186,14 +132,14 @@ def _ratio(search: PartSearch, i: int, others: Bools) -> float:
     )
 
 
-def _covered(
-    brought: Sequence[PartSearch],
+def _cover_pixels(
+    searches: Sequence[PartSearch],
     areas: Mapping[tuple[int, int], Mapping[int, np.ndarray]],
     k: int,
     but: Collection[tuple[int, int]],
 ) -> Bools:
     """The pixels (pixels,) of kind `k`'s maps that parts explain, but those named."""
-    covered = np.zeros(brought[k].depth_map.depth.size, np.bool_)
+    covered = np.zeros(searches[k].depth_map.depth.size, np.bool_)
     for name, pixels in areas.items():
         if name not in but:
             covered[pixels[k]] = True
@@ -213,21 +159,21 @@ def doubted_apart(search: PartSearch) -> tuple[PartSearch, list[Hypothesis]]:
         for part, is_kept in zip(chosen, kept, strict=True)
         if not is_kept
     ]
-    return replace(search, choice=_only(search.choice, kept)), doubted
+    return replace(search, choice=_keep_only(search.choice, kept)), doubted
 
 
-def taken_by_others(brought: Sequence[PartSearch]) -> list[Bools]:
+def taken_by_others(searches: Sequence[PartSearch]) -> list[Bools]:
     """For each kind, which pixels of its maps standing parts of other kinds explain.
 
     Returns:
         For each kind (pixels,), no unit.
     """
-    taken = [np.zeros(search.depth_map.depth.size, np.bool_) for search in brought]
-    if len(brought) == 1:
+    taken = [np.zeros(search.depth_map.depth.size, np.bool_) for search in searches]
+    if len(searches) == 1:
         return taken
-    there = [search for search in brought if search.choice.chosen]
+    there = [search for search in searches if search.choice.chosen]
     for other, standing in zip(there, judge_choices(there), strict=True):
-        for search, pixels in zip(brought, taken, strict=True):
+        for search, pixels in zip(searches, taken, strict=True):
             if search is not other:
                 for part in standing.choice.chosen:
                     pixels[
@@ -236,29 +182,31 @@ def taken_by_others(brought: Sequence[PartSearch]) -> list[Bools]:
     return taken
 
 
-def _areas(brought: Sequence[PartSearch]) -> dict[tuple[int, int], dict[int, np.ndarray]]:
+def _explained_areas(
+    searches: Sequence[PartSearch],
+) -> dict[tuple[int, int], dict[int, np.ndarray]]:
     """For each part chosen, by kind and number, the pixels it explains in the maps of each kind.
 
     Kinds of which nothing was chosen are left out: most of a library.
     """
-    chosen_kinds = [k for k, search in enumerate(brought) if search.choice.chosen]
+    chosen_kinds = [k for k, search in enumerate(searches) if search.choice.chosen]
     return {
         (k, i): {
             j: chosen.sighting.explained
             if j == k
             else look(
-                brought[j].depth_map, brought[k].surface, chosen.pose, brought[k].tolerance
+                searches[j].depth_map, searches[k].surface, chosen.pose, searches[k].tolerance
             ).explained
             for j in chosen_kinds
         }
         for k in chosen_kinds
-        for i, chosen in enumerate(brought[k].choice.chosen)
+        for i, chosen in enumerate(searches[k].choice.chosen)
     }
 
 
 def without(choice: Choice, objections: Mapping[int, Objection]) -> Choice:
-    """The choice without those of its parts, by their number, that something is said against."""
-    left = _only(choice, [i not in objections for i in range(len(choice.chosen))])
+    """The choice without its parts, by their number, that have an objection."""
+    left = _keep_only(choice, [i not in objections for i in range(len(choice.chosen))])
     left.rejected += [
         Rejection(choice.chosen[i].pose, choice.chosen[i].sighting, why)
         for i, why in sorted(objections.items())
@@ -266,8 +214,8 @@ def without(choice: Choice, objections: Mapping[int, Objection]) -> Choice:
     return left
 
 
-def _only(choice: Choice, kept: Sequence[bool]) -> Choice:
-    """The choice with those of its parts that are kept."""
+def _keep_only(choice: Choice, kept: Sequence[bool]) -> Choice:
+    """The choice with only those of its parts that `kept` marks."""
     place = np.where(kept, np.cumsum(kept, dtype=np.int64) - 1, -1)
     rejected = [
         rejection

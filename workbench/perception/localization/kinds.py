@@ -26,6 +26,7 @@ from workbench.perception.localization.cad_shape import allow_changes
 from workbench.perception.localization.choice import (
     Choice,
     Hypothesis,
+    PartSearch,
     Rejection,
     enough,
     gain,
@@ -34,11 +35,7 @@ from workbench.perception.localization.choice import (
 )
 from workbench.perception.localization.eaten import allow_eaten_outlines
 from workbench.perception.localization.hypotheses import EFFORTS, find_coarse_poses
-from workbench.perception.localization.judging import (
-    PartSearch,
-    doubted_apart,
-    taken_by_others,
-)
+from workbench.perception.localization.judging import doubted_apart, taken_by_others
 from workbench.perception.localization.localize import (
     MOST_REJECTED,
     PartSearchResult,
@@ -113,7 +110,7 @@ def localize_parts(
     detail: float,
     report: Report,
     cancelled: Cancelled,
-    resolve_by_colour: ResolveByColour = lambda _, brought: list(brought),
+    resolve_by_colour: ResolveByColour = lambda _, searches: list(searches),
 ) -> SearchedView:
     """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
     steps = count()
@@ -125,11 +122,11 @@ def localize_parts(
 
     sizes = [prepare(part).diameter for part in cell.parts]
     scene = scene_model(scan, cell, smallest=min(sizes, default=0.0))
-    brought: list[PartSearch | PartSurface] = []
+    searches: list[PartSearch | PartSurface] = []
     for part in cell.parts:
         step(ProgressText.PREPARE(part=part.name))
-        brought.append(begin_search(scan, part, cell, detail=detail, scene=scene))
-    found = [search for search in brought if isinstance(search, PartSearch)]
+        searches.append(begin_search(scan, part, cell, detail=detail, scene=scene))
+    found = [search for search in searches if isinstance(search, PartSearch)]
     closely = partial(look_closely, step)
     for number, turns in _rounds(found, seed, step):
         if number == 1 or (number > 1 and not any(search.choice.chosen for search in found)):
@@ -138,7 +135,7 @@ def localize_parts(
             found = allow_eaten_outlines(found, partial(compete, closely=closely))
             found = relax_tolerance(found, partial(compete, closely=closely))
         elif number > 1 and any(search.is_loose for search in found):
-            # Little that is hidden can be told in such a scan, and this takes most of the time.
+            # Such a scan hardly shows hidden parts, and this round takes most of the time.
             break
         # What is in doubt competes once more with what a greater effort finds in its place.
         apart = [doubted_apart(search) for search in found]
@@ -152,14 +149,11 @@ def localize_parts(
         ]
         compete(found, proposed, closely)
     found = resolve_by_colour(scan, found)
-    searches = iter(found)
-    result = merged(
-        together(
-            scan,
-            [next(searches) if isinstance(search, PartSearch) else search for search in brought],
-        )
+    ended = iter(found)
+    results = together(
+        scan, [next(ended) if isinstance(search, PartSearch) else search for search in searches]
     )
-    return SearchedView(result, tuple(found))
+    return SearchedView(merged(results), tuple(found))
 
 
 def _rounds(
@@ -189,7 +183,7 @@ def _likely(found: Sequence[PartSearch], seed: int, step: Callable[[Message], No
             depth_map=search.coarse_map,
             tolerance=2 * search.tolerance,
             spread=2 * search.spread,
-            choice=Choice(np.full(search.coarse_map.depth.size, -1), [], []),
+            choice=Choice.empty(search.coarse_map),
         )
         for search in found
     ]
@@ -199,12 +193,7 @@ def _likely(found: Sequence[PartSearch], seed: int, step: Callable[[Message], No
         poses = find_coarse_poses(
             search.coarse_map, search.surface, search.tolerance, search.are_possible, seed=seed
         )
-        proposed.append(
-            [
-                Hypothesis(p, look(glance.depth_map, search.surface, p, glance.tolerance))
-                for p in poses
-            ]
-        )
+        proposed.append([glance.hypothesis(pose) for pose in poses])
     compete(glances, proposed, _as_it_is)
     return [bool(glance.choice.chosen) for glance in glances]
 
@@ -236,18 +225,18 @@ def _as_it_is(search: PartSearch, hypothesis: Hypothesis) -> Assessment:
 
 
 def compete(
-    brought: Sequence[PartSearch], found: Sequence[list[Hypothesis]], closely: Closely
+    searches: Sequence[PartSearch], found: Sequence[list[Hypothesis]], closely: Closely
 ) -> None:
     """Take the hypotheses that hold together after a close look, those that gain most first.
 
     Args:
-        brought: the kinds; what is taken and what is not is added to their choices.
+        searches: the kinds; what is taken and what is not is added to their choices.
         found: the possible poses of each, fitted roughly.
         closely: see there.
     """
     entries = [
         KindHypotheses(search, list(poses), np.empty(0), np.zeros(search.depth_map.depth.size))
-        for search, poses in zip(brought, found, strict=True)
+        for search, poses in zip(searches, found, strict=True)
         if poses
     ]
     for entry in entries:
@@ -277,15 +266,7 @@ def _try_to_take(
             Rejection(hypothesis.pose, hypothesis.sighting, Objection.OUTDONE)
         )
         return None
-    return take(
-        search.choice,
-        search.surface,
-        hypothesis,
-        partial(closely, search),
-        search.spread,
-        search.tolerance,
-        search.are_possible,
-    )
+    return take(search, hypothesis, partial(closely, search))
 
 
 def _is_outdone(entry: KindHypotheses, hypothesis: Hypothesis) -> bool:
@@ -304,8 +285,8 @@ def _cover(entry: KindHypotheses, kind: PartSearch, taken: Assessment) -> None:
     entry.largest[explained] = np.maximum(entry.largest[explained], area)
 
 
-def merged(brought: Sequence[PartSearchResult]) -> LocalizationResult:
-    """The searches for several kinds as one.
+def merged(results: Sequence[PartSearchResult]) -> LocalizationResult:
+    """The results for several kinds as one.
 
     A bolt fits on the side of a cylinder: each kind by itself would be found there.  Where a
     detection reaches into one of another kind, that stands for which more surface speaks.
@@ -315,7 +296,7 @@ def merged(brought: Sequence[PartSearchResult]) -> LocalizationResult:
     """
     claims = [
         (gain, k, detection)
-        for k, each in enumerate(brought)
+        for k, each in enumerate(results)
         for gain, detection in zip(each.gains, each.findings.detections, strict=True)
     ]
     claims.sort(key=lambda claim: -claim[0])
@@ -323,7 +304,7 @@ def merged(brought: Sequence[PartSearchResult]) -> LocalizationResult:
     lost: list[tuple[Detection, Detection]] = []
     for _, k, detection in claims:
         rival = next(
-            (r for j, r in standing if j != k and _overlap(brought, j, r, k, detection)), None
+            (r for j, r in standing if j != k and _overlap(results, j, r, k, detection)), None
         )
         if rival is None:
             standing.append((k, detection))
@@ -339,7 +320,7 @@ def merged(brought: Sequence[PartSearchResult]) -> LocalizationResult:
             if hypothesis.rival is None
             else place[id(each.detections[hypothesis.rival])],
         )
-        for each in (result.findings for result in brought)
+        for each in (result.findings for result in results)
         for hypothesis in each.rejected
     ]
     rejected += [
@@ -353,20 +334,20 @@ def merged(brought: Sequence[PartSearchResult]) -> LocalizationResult:
         for detection, _ in lost
     ]
     rejected.sort(key=lambda hypothesis: -hypothesis.score)
-    scales = tuple(scale for result in brought for scale in result.findings.scales)
-    offsets = tuple(offset for result in brought for offset in result.findings.offsets)
+    scales = tuple(scale for result in results for scale in result.findings.scales)
+    offsets = tuple(offset for result in results for offset in result.findings.offsets)
     return LocalizationResult(tuple(found), tuple(rejected[:MOST_REJECTED]), scales, offsets)
 
 
 def _overlap(
-    brought: Sequence[PartSearchResult], j: int, first: Detection, k: int, second: Detection
+    results: Sequence[PartSearchResult], j: int, first: Detection, k: int, second: Detection
 ) -> bool:
     """Whether a part of kind `j` and one of kind `k` would share room."""
 
     def is_in(surface: PartSurface, T_one: pin.SE3, host: PartSurface, T_host: pin.SE3) -> bool:
         return reaches_into(surface, host, T_host.actInv(T_one).homogeneous)
 
-    first_surface, other = brought[j].surface, brought[k].surface
+    first_surface, other = results[j].surface, results[k].surface
     T_one, T_other = first.T_world_part, second.T_world_part
     return is_in(first_surface, T_one, other, T_other) or is_in(
         other, T_other, first_surface, T_one

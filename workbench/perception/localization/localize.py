@@ -38,21 +38,19 @@ from workbench.perception.localization.choice import (
     LEAST_PIXELS,
     Choice,
     Hypothesis,
+    PartSearch,
     Rejection,
     are_in_bin,
 )
 from workbench.perception.localization.hypotheses import (
     EFFORTS,
-    SAME_ANGLE,
-    SAME_DISTANCE,
     find_hypotheses,
+    select_distinct,
 )
-from workbench.perception.localization.judging import JudgedChoice, PartSearch, judge_choices
+from workbench.perception.localization.judging import JudgedChoice, judge_choices
 from workbench.perception.localization.loosening import measure_explained
 from workbench.perception.matching.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
 from workbench.perception.matching.maps import MIXED, POINTS_A_PIXEL, DepthMap, make_map
-from workbench.perception.matching.poses import distinct
-from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface, prepare
 from workbench.perception.scene.scene_model import SceneModel
 
@@ -77,7 +75,7 @@ MOST_REJECTED = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartSearchResult:
-    """What the search for one part brought.
+    """The result of the search for one part.
 
     `gains` [m2]: for each detection the area seen that speaks for it, less what speaks against.
     """
@@ -87,9 +85,9 @@ class PartSearchResult:
     gains: tuple[float, ...]
 
 
-def together(scan: Scan, brought: Sequence[PartSearch | PartSurface]) -> list[PartSearchResult]:
-    """The searches for several parts in one scan, without what does not stand beside the others."""
-    found = [search for search in brought if isinstance(search, PartSearch)]
+def together(scan: Scan, searches: Sequence[PartSearch | PartSurface]) -> list[PartSearchResult]:
+    """The results for several parts in one scan, of those accepted parts that stand together."""
+    found = [search for search in searches if isinstance(search, PartSearch)]
     judged = judge_choices(found)
     explained = measure_explained(found, judged)
     standing = iter(judged)
@@ -97,7 +95,7 @@ def together(scan: Scan, brought: Sequence[PartSearch | PartSurface]) -> list[Pa
         _conclude(scan, search, next(standing), explained)
         if isinstance(search, PartSearch)
         else PartSearchResult(LocalizationResult(()), search, ())
-        for search in brought
+        for search in searches
     ]
 
 
@@ -157,8 +155,7 @@ def begin_search(
         p_bin = points @ T.rotation.T + T.translation
         return above_floor(scene.bin, bin.size, p_bin)
 
-    choice = Choice(np.full(depth_map.depth.size, -1), [], [])
-    coarse_map = _coarser(depth_map, surface)
+    choice, coarse_map = Choice.empty(depth_map), _coarser(depth_map, surface)
     return PartSearch(
         part, surface, depth_map, coarse_map, tolerance, spread, are_inside, choice,
         filled=scene.filled, heights=heights if scene.bin.is_floor_seen else None,
@@ -184,10 +181,6 @@ def proposals(
     Returns:
         What `kinds.compete` takes.
     """
-
-    def seen(pose: Floats) -> Hypothesis:
-        return Hypothesis(pose, look(search.depth_map, search.surface, pose, search.tolerance))
-
     step(ProgressText.VOTE())
     free = _without(search.depth_map, (search.choice.claimed >= 0) | taken)
     if np.count_nonzero(free.foreground) < LEAST_PIXELS:
@@ -202,9 +195,9 @@ def proposals(
         seed=(seed, number),
     )
     search.choice.rejected += [
-        Rejection(each.pose, each.sighting, Objection.OUTSIDE) for each in map(seen, outside)
+        Rejection(pose, search.look(pose), Objection.OUTSIDE) for pose in outside
     ]
-    return [seen(pose) for pose in poses]
+    return [search.hypothesis(pose) for pose in poses]
 
 
 def _coarser(depth_map: DepthMap, surface: PartSurface) -> DepthMap:
@@ -231,7 +224,7 @@ def _noise(cell: Cell, scan: Scan, scene: SceneModel) -> float:
 def _list_rejected(
     scan: Scan, search: PartSearch, choice: Choice, order: Sequence[int]
 ) -> tuple[RejectedHypothesis, ...]:
-    """The best of those rejected; `order` is that of the chosen ones as detections."""
+    """The best rejected hypotheses; `order` is that of the accepted parts as detections."""
     rank = {k: place for place, k in enumerate(order)}
     return tuple(
         RejectedHypothesis(
@@ -246,22 +239,14 @@ def _list_rejected(
 
 
 def _different(surface: PartSurface, choice: Choice) -> list[Rejection]:
-    """What was rejected, best score first, without what is the same as better ones or chosen."""
+    """Rejected hypotheses, best score first, that differ from better and from accepted poses."""
     ranked = sorted(choice.rejected, key=lambda rejection: -rejection.sighting.score)
     poses = [assessment.pose for assessment in choice.chosen] + [
         rejection.pose for rejection in ranked
     ]
     if not poses:
         return []
-    kept = distinct(
-        np.array(poses),
-        np.arange(len(poses)),
-        surface.stated,
-        surface.fixed,
-        distance=SAME_DISTANCE * surface.diameter,
-        angle=np.pi if surface.is_ball else SAME_ANGLE,
-        most=len(poses),
-    )
+    kept = select_distinct(surface, np.array(poses), np.arange(len(poses)))
     return [ranked[k - len(choice.chosen)] for k in kept if k >= len(choice.chosen)]
 
 

@@ -7,19 +7,18 @@ used if it explains much of the content, and far more than before.  The scan's c
 agree with that of the parts, which excludes wrong parts.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from workbench.model.geometry import Bools
-from workbench.perception.localization.choice import Choice, Hypothesis
-from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
-from workbench.perception.localization.judging import JudgedChoice, PartSearch, judge_choices
+from workbench.perception.localization.choice import Choice, Compete, Hypothesis, PartSearch
+from workbench.perception.localization.hypotheses import select_distinct
+from workbench.perception.localization.judging import JudgedChoice, judge_choices
 from workbench.perception.localization.settling import refine_poses
 from workbench.perception.matching.bending import measure_slope
 from workbench.perception.matching.maps import DepthMap
-from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import look
 
 DOUBTFUL = 0.5
@@ -46,15 +45,12 @@ cameras by time of flight smooth them; bolts on cylinders of twice their radius 
 STEP_LENGTHS = (0.02, 0.01, 0.005)
 """Lengths of the steps by which poses are brought to rest, over the diameter."""
 
-Compete = Callable[[Sequence[PartSearch], Sequence[list[Hypothesis]]], None]
-"""Takes the hypotheses of each kind that hold together."""
-
 
 def relax_tolerance(found: list[PartSearch], compete: Compete) -> list[PartSearch]:
     """The searches with a relaxed tolerance where the accepted parts explain less than half.
 
-    The result is kept only if it explains much more; otherwise the searches stay as they are.  So
-    does that of a kind in whose place the scan bends otherwise.
+    The result is used only if it explains much more.  The search for a kind stays as it is if the
+    scan contradicts its curvature.
 
     Args:
         found: the searches of all kinds, after the first vote.
@@ -63,10 +59,10 @@ def relax_tolerance(found: list[PartSearch], compete: Compete) -> list[PartSearc
     strict = measure_explained(found)
     if strict >= DOUBTFUL:
         return found
-    loose = [_loose(search) for search in found]
+    loose = [_loosen(search) for search in found]
     compete(
         loose,
-        [_again(search, before) for search, before in zip(loose, found, strict=True)],
+        [_restart(search, before) for search, before in zip(loose, found, strict=True)],
     )
     loose = [
         search if _bends_alike(search) else before
@@ -104,7 +100,7 @@ def measure_explained(
     return float(np.count_nonzero(covered & lying)) / max(int(np.count_nonzero(lying)), 1)
 
 
-def _loose(search: PartSearch) -> PartSearch:
+def _loosen(search: PartSearch) -> PartSearch:
     tolerance = LOOSER_BY * search.tolerance
     return replace(
         search,
@@ -113,7 +109,7 @@ def _loose(search: PartSearch) -> PartSearch:
         least_ends=LOOSE_ENDS,
         most=LOOSE_MOST,
         is_loose=True,
-        choice=_nothing(search),
+        choice=Choice.empty(search.depth_map),
     )
 
 
@@ -124,29 +120,14 @@ def _bends_alike(search: PartSearch) -> bool:
     return slope is None or slope >= LEAST_SLOPE
 
 
-def _nothing(search: PartSearch) -> Choice:
-    return Choice(np.full(search.depth_map.depth.size, -1), [], [])
-
-
-def _again(search: PartSearch, before: PartSearch) -> list[Hypothesis]:
+def _restart(search: PartSearch, before: PartSearch) -> list[Hypothesis]:
     """What was taken and what was rejected before, brought to rest anew."""
-    surface = search.surface
-    poses = np.array([each.pose for each in (*before.choice.chosen, *before.choice.rejected)])
+    surface, poses = search.surface, before.choice.poses
     if len(poses) == 0:
         return []
     # With so much tolerance those that lie as one come to rest in one place.
-    apart = distinct(
-        poses,
-        np.arange(len(poses)),
-        surface.stated,
-        surface.fixed,
-        distance=SAME_DISTANCE * surface.diameter,
-        angle=np.pi if surface.is_ball else SAME_ANGLE,
-        most=len(poses),
-    )
+    apart = select_distinct(surface, poses, np.arange(len(poses)))
     steps = tuple(step * surface.diameter for step in STEP_LENGTHS)
     rested = refine_poses(search.coarse_map, surface, poses[apart], search.tolerance, steps)
     rested = rested[search.are_possible(rested)]
-    return [
-        Hypothesis(p, look(search.depth_map, search.surface, p, search.tolerance)) for p in rested
-    ]
+    return [search.hypothesis(pose) for pose in rested]

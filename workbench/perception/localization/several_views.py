@@ -24,9 +24,9 @@ from workbench.perception.localization.choice import (
     LEAST_PIXELS,
     PLAUSIBLE,
     SAME_PLACE,
+    PartSearch,
     reaches_into,
 )
-from workbench.perception.localization.judging import PartSearch
 from workbench.perception.localization.kinds import SearchedView
 from workbench.perception.localization.localize import MOST_REJECTED
 from workbench.perception.matching.sightings import Sighting, look

@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 from numba import njit
 
-from workbench.model.geometry import Bools, Floats, frozen, put, sampled
+from workbench.model.geometry import Bools, Floats, frozen, own, put, sampled
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.bins.bin_fit import SeenBin, inside_by
@@ -72,13 +72,8 @@ class DepthMap:
     mixed: int = MIXED
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            rays=frozen(self.rays),
-            depth=frozen(self.depth),
-            normals=frozen(self.normals),
-            foreground=frozen(self.foreground, np.bool_),
-        )
+        own(self, "rays", "depth", "normals")
+        put(self, foreground=frozen(self.foreground, np.bool_))
 
     @property
     def seen(self) -> Seen:

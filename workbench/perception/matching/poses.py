@@ -15,8 +15,7 @@ def distinct(
     distance: float,
     angle: float,
     most: int,
-    nearby: float = 0.0,
-    most_nearby: int = 0,
+    nearby: tuple[float, int] = (0.0, 0),
 ) -> np.ndarray:
     """Indices of poses that differ from every better one by more than a symmetry.
 
@@ -29,9 +28,8 @@ def distinct(
         distance: [m] poses further apart than this differ.
         angle: [rad] and so do those turned by more than this.
         most: how many to return at most.
-        nearby: [m] radius within which at most `most_nearby` are kept, so that one clear part
-            does not crowd out the others; no limit when `most_nearby` is 0.
-        most_nearby: see there.
+        nearby: radius [m] and the largest number of poses within it, so that one clear part does
+            not crowd out the others; 0: no limit.
     """
     return _distinct(
         np.ascontiguousarray(poses),
@@ -41,8 +39,7 @@ def distinct(
         distance,
         np.cos(angle),
         most,
-        nearby,
-        most_nearby,
+        *nearby,
     )
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, uint64
 
-from workbench.model.geometry import Bools, Floats, Ints, frozen, put
+from workbench.model.geometry import Bools, Floats, Ints, frozen, own, put
 from workbench.perception.matching.maps import DepthMap, Seen
 from workbench.perception.matching.registration import transformed
 from workbench.perception.parts.part_surface import PartSurface
@@ -70,14 +70,13 @@ class Sighting:
     ahead: Floats
 
     def __post_init__(self) -> None:
+        own(self, "off", "ahead")
         put(
             self,
             explained=frozen(self.explained, np.int64),
-            off=frozen(self.off),
             violated=frozen(self.violated, np.int64),
             is_rim=frozen(self.is_rim, np.bool_),
             hidden=frozen(self.hidden, np.int64),
-            ahead=frozen(self.ahead),
         )
 
     @property

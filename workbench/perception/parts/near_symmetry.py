@@ -6,7 +6,7 @@ import numpy as np
 import open3d as o3d
 import pinocchio as pin
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, own
 
 SYMMETRIC_WITHIN = 0.02
 """Mean distance of the moved surface from itself, over the diameter, that still counts."""
@@ -40,11 +40,7 @@ class NearSymmetry:
     axis: Floats | None = None
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            motions=frozen(self.motions),
-            axis=None if self.axis is None else frozen(self.axis),
-        )
+        own(self, "motions", "axis")
 
     @property
     def turns(self) -> Floats:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, own
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -15,7 +15,7 @@ class OrientedPoints:
     normals: Floats
 
     def __post_init__(self) -> None:
-        put(self, points=frozen(self.points), normals=frozen(self.normals))
+        own(self, "points", "normals")
 
     def __len__(self) -> int:
         return len(self.points)

@@ -1,4 +1,4 @@
-"""What the localizer knows of a part: prepared once from its mesh and kept by its digest."""
+"""What the localizer knows of a part: prepared once from its mesh and cached by its digest."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -9,7 +9,7 @@ import trimesh
 from scipy.spatial import KDTree
 
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, frozen, put, spread_directions
+from workbench.model.geometry import Floats, frozen, own, put, spread_directions
 from workbench.model.part import Part
 from workbench.model.symmetry import BALL, Symmetry
 from workbench.perception.parts.near_symmetry import (
@@ -84,15 +84,11 @@ class PartSurface:
     is_ball: bool
 
     def __post_init__(self) -> None:
+        own(self, "middle", "vertices", "rough_vertices", "stated", "fixed")
         put(
             self,
-            middle=frozen(self.middle),
-            vertices=frozen(self.vertices),
             triangles=frozen(self.triangles, np.int64),
-            rough_vertices=frozen(self.rough_vertices),
             rough_triangles=frozen(self.rough_triangles, np.int64),
-            stated=frozen(self.stated),
-            fixed=frozen(self.fixed),
         )
 
 

@@ -1,4 +1,4 @@
-"""What a scan shows beside the parts, found once for all kinds that are searched in it."""
+"""Noise, bin and surroundings in a scan, found once for all kinds that are searched in it."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""Which parts a scan shows where they are said to be: others may not be there."""
+"""Which parts a scan shows at their believed poses: others may not be there."""
 
 import numpy as np
 import open3d as o3d
@@ -16,10 +16,10 @@ ASIDE = EXPLAINED_WITHIN / 2
 
 
 def shown(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Bools:
-    """Whether a scan shows each of some parts, where they are said to be.
+    """Whether a scan shows each part at its believed pose.
 
     A point belongs to the surface that it is nearest to, of parts, bin and fixtures.  So a part
-    that lies elsewhere, or is not there, has none, or has them beside its surface.
+    that lies elsewhere, or is not there, has none, or has them off its surface.
 
     Args:
         cell: bin and fixtures.

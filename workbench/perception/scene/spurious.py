@@ -107,7 +107,7 @@ def believed(
 def _may_be_mixed(
     points: Floats, eye: Floats, angle: float, known: o3d.t.geometry.RaycastingScene
 ) -> Bools:
-    """Whether points (n, 3) lie between known surfaces that pixels beside them see, (n,)."""
+    """Whether points (n, 3) lie between known surfaces that neighbouring pixels see, (n,)."""
     if len(points) == 0:
         return np.zeros(0, np.bool_)
     ahead = points - eye

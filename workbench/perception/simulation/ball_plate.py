@@ -28,11 +28,11 @@ LOST = 0.02
 """Share of pixels that fail."""
 
 OFFSET, HEIGHT = 0.11, -0.06
-"""[m] In the simulation the plate is held beside the tool, along x of the TCP, and above it."""
+"""[m] Offset of the simulated plate from the tool, along x of the TCP, and above it."""
 
 
 def held_pose(plate: BallPlate) -> pin.SE3:
-    """`T_tcp_plate` of the simulation: beside the tool, where it hides no ball from above."""
+    """`T_tcp_plate` of the simulation: next to the tool, which hides no ball from above."""
     middle = plate.centres.mean(axis=0)
     return pin.SE3(np.eye(3), np.array([OFFSET, -middle[1], HEIGHT]))
 

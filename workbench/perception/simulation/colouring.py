@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, own
 from workbench.perception.views.srgb import encoded, linear
 
 
@@ -23,7 +23,7 @@ class Light:
     uneven: float = 0.03
 
     def __post_init__(self) -> None:
-        put(self, gains=frozen(self.gains))
+        own(self, "gains")
 
 
 def coloured(

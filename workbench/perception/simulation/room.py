@@ -14,7 +14,7 @@ from workbench.model.part import Bin, GraspLibrary, Part
 from workbench.model.symmetry import Symmetry
 
 FILLED_SHARE = 0.6
-"""Share of the bin that parts can fill: long ones lie more loosely than that."""
+"""Share of the bin that parts can fill; long parts lie more loosely."""
 
 
 def check_room(parts: Sequence[Part], bin: Bin) -> None:

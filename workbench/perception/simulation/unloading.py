@@ -1,4 +1,4 @@
-"""What becomes of a pile as one part is lifted out of it: what lay on it and beside it moves."""
+"""A pile after one part is lifted out of it: its neighbours move."""
 
 import math
 from collections.abc import Sequence

@@ -145,7 +145,7 @@ def _in_view(scan: Scan, cell: Cell, part: Part, T_world_part: pin.SE3) -> SeenB
     view = _view_of(scan, cell, part, T_world_part)
     believed = scan.T_world_scanner.actInv(T_world_part).homogeneous
     seen = None if view is None else view.look(believed)
-    if view is None or seen is None or _measured(seen) < LEAST_MEASURED * max(seen.shown, 1):
+    if view is None or seen is None or _measure(seen) < LEAST_MEASURED * max(seen.shown, 1):
         return SeenBase(scan.digest, problem=SightProblem.NOT_IN_VIEW)
     pose = _fit(view, believed)
     problem, sighting = _problem(view, pose), view.look(pose)
@@ -195,7 +195,7 @@ def _view_of(scan: Scan, cell: Cell, part: Part, T_world_part: pin.SE3) -> _View
     return _View(scan, depth_map, surface, tolerance, spread)
 
 
-def _measured(sighting: Sighting) -> int:
+def _measure(sighting: Sighting) -> int:
     """Pixels of a part's picture in which something is measured."""
     ahead = int(np.count_nonzero(~np.isnan(sighting.ahead)))
     return len(sighting.explained) + len(sighting.violated) + ahead

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.model.cell import ScannerMount
-from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, own
 
 RARE, SAMPLED = 0.002, 50_000
 """Share of points that set no bounds of a picture, and points by which that is measured."""
@@ -52,7 +52,7 @@ class Pinhole:
     shape: tuple[int, int]
 
     def __post_init__(self) -> None:
-        put(self, centre=frozen(self.centre))
+        own(self, "centre")
 
     @classmethod
     def of_scanner(cls, mount: ScannerMount) -> "Pinhole":

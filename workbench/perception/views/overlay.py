@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 from scipy.ndimage import grey_dilation
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, frozen, own, put
 from workbench.model.scan import Scan
 from workbench.perception.views.camera import Pinhole
 from workbench.perception.views.rendering import rendered
@@ -50,12 +50,8 @@ class PartOverlay:
     colours: np.ndarray
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            picture=frozen(self.picture, np.uint8),
-            places=frozen(self.places),
-            colours=frozen(self.colours, np.uint8),
-        )
+        own(self, "places")
+        put(self, picture=frozen(self.picture, np.uint8), colours=frozen(self.colours, np.uint8))
 
 
 def overlay(scan: Scan, parts: Sequence[tuple[trimesh.Trimesh, Floats]]) -> PartOverlay:

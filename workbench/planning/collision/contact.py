@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 
+from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.geometry import Floats, Ints
+from workbench.model.messages.message import Message
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -12,6 +14,12 @@ class Contact:
     pair: tuple[str, str]
     distance: float
     margin: float
+
+    def refuse(
+        self, reason: Reason, stage: Stage, q: Floats, note: Message | None = None
+    ) -> Verdict:
+        """The verdict on a configuration (n,) [rad] with this contact."""
+        return Verdict(reason, stage, self.pair, self.distance, q, note)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -150,6 +150,14 @@ def path_contact(
     return chain_contact(world, columns, base, curves, among=among)
 
 
+def arm_contact(
+    world: World, arm: str, path: Floats, among: Ints | None = None
+) -> tuple[Contact, Floats, int] | None:
+    """The first contact of an arm along its path (m, n) [rad], other arms at home."""
+    columns = world.kinematics.columns[arm]
+    return path_contact(world, columns, world.configuration({}), path, among)
+
+
 def chain_contact(
     world: World,
     columns: Ints,

@@ -373,16 +373,11 @@ class PartWays:
             return heap
         radius = {part.name: float(np.linalg.norm(part.mesh.points, axis=1).max())
                   for part in self._cell.parts}  # fmt: skip
+        at = [(lying.T_world_part.translation, radius[lying.part]) for lying in self._detections]
         for first, second in combinations(range(len(heap)), 2):
-            detection, other = self._detections[first], self._detections[second]
-            if heap[first] == heap[second]:
-                continue
-            far = np.linalg.norm(
-                detection.T_world_part.translation - other.T_world_part.translation
-            )
-            if far - radius[detection.part] - radius[other.part] >= gap:
-                continue
-            if self.gap(first, second) < gap:
+            (p, p_radius), (q, q_radius) = at[first], at[second]
+            is_far = float(np.linalg.norm(p - q)) - p_radius - q_radius >= gap
+            if heap[first] != heap[second] and not is_far and self.gap(first, second) < gap:
                 old, new = heap[second], heap[first]
                 heap = [new if number == old else number for number in heap]
         self._heaps[gap] = heap

@@ -59,7 +59,7 @@ class World:
         Args:
             cell: as it is.
             detections: the parts found.
-            obstacles: what the scan shows beside them.
+            obstacles: other objects in the scan.
             policy: where a request differs from the cell; corners are rounded as the cell says.
             by_coal: measure with Coal, as a proof does, not by our own search, which is faster.
         """

@@ -27,7 +27,7 @@ from workbench.model.tools.held_body import (
     with_held,
 )
 from workbench.planning.collision.bodies import obstacle_label
-from workbench.planning.collision.motion import path_contact
+from workbench.planning.collision.motion import arm_contact
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.empty_hand.alone import arm_alone, plan_alone, random_of
@@ -113,7 +113,6 @@ def route_drop(
 def _lift(world: World, arm: Arm, q: Floats) -> Floats | Verdict:
     """The waypoints (m, n) [rad] straight up to where all is clear; one where it is already."""
     chain, T_world_bin = world.chains[arm.name], world.cell.bin.T_world_bin
-    columns, base = world.kinematics.columns[arm.name], world.configuration({})
     below = _labels_below(world, chain.pose(q).translation)
     T_start, up = chain.pose(q), T_world_bin.rotation[:, 2]
     if _contact_while_carrying(world, arm, q) is None:
@@ -129,11 +128,11 @@ def _lift(world: World, arm: Arm, q: Floats) -> Floats | Verdict:
             refusal = verdict
             continue
         _enter(world, arm, below=below)
-        met = path_contact(world, columns, base, path)
+        met = arm_contact(world, arm.name, path)
         if met is None:
             return path
         contact, at, _ = met
-        refusal = Verdict(Reason.IN_COLLISION, Stage.ROUTE, contact.pair, contact.distance, at)
+        refusal = contact.refuse(Reason.IN_COLLISION, Stage.ROUTE, at)
         break
     return _with_leg(world, arm, refusal, "lift")
 
@@ -144,7 +143,7 @@ def _contact_while_carrying(world: World, arm: Arm, q: Floats) -> Verdict | None
     contact = world.contact(world.configuration({arm.name: q}))
     if contact is None:
         return None
-    return Verdict(Reason.IN_COLLISION, Stage.ROUTE, contact.pair, contact.distance, q)
+    return contact.refuse(Reason.IN_COLLISION, Stage.ROUTE, q)
 
 
 def _free(

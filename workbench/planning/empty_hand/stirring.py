@@ -19,7 +19,7 @@ from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.load import tool_loads
 from workbench.model.plan import Leg, Plan
 from workbench.model.scan import Scene
-from workbench.planning.collision.motion import path_contact
+from workbench.planning.collision.motion import arm_contact
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.empty_hand.alone import arm_alone, plan_alone, random_of
@@ -176,8 +176,7 @@ def _follow_clear(
     world: World, arm: Arm, q: Floats, Ts_world_tcp: list[pin.SE3]
 ) -> Floats | Verdict:
     """Waypoints (m, n) [rad] from pose to pose of the TCP, checked in the world's present phase."""
-    chain, base = world.chains[arm.name], world.configuration({})
-    columns, path = world.kinematics.columns[arm.name], q[None]
+    chain, path = world.chains[arm.name], q[None]
     for T_a, T_b in pairwise(Ts_world_tcp):
         length = float(np.linalg.norm(T_b.translation - T_a.translation))
         way, share = follow(chain, path[-1], T_b, 2 + int(length / POINT_STEP))
@@ -185,10 +184,10 @@ def _follow_clear(
             return Verdict(Reason.OUT_OF_REACH, Stage.ROUTE, q=way[-1])
         way = np.clip(world.motion.rounded(way), chain.lower, chain.upper)
         # The corner before is rounded, too.
-        found = path_contact(world, columns, base, np.vstack([path[-2:-1], way]))
+        found = arm_contact(world, arm.name, np.vstack([path[-2:-1], way]))
         if found is not None:
             contact, at, _ = found
-            return Verdict(Reason.IN_COLLISION, Stage.ROUTE, contact.pair, contact.distance, at)
+            return contact.refuse(Reason.IN_COLLISION, Stage.ROUTE, at)
         path = np.vstack([path[:-1], way])
     return path
 

@@ -22,7 +22,7 @@ from workbench.model.plan import Leg, Plan
 from workbench.model.robot import ToolSlot
 from workbench.model.scan import Scene
 from workbench.model.tools.slots import slot_of, standing_name, with_mounted
-from workbench.planning.collision.motion import path_contact
+from workbench.planning.collision.motion import arm_contact
 from workbench.planning.collision.pairing import DEEPEST_IN_SLOT, LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.empty_hand.alone import arm_alone, plan_alone, random_of
@@ -187,15 +187,12 @@ def _visits(
             if deep is not None:
                 # So it is in every posture.
                 note = VerdictNote.DEEP_IN_SLOT(most=DEEPEST_IN_SLOT)
-                measured = deep.pair, deep.distance, q_slot
-                yield Verdict(Reason.IN_COLLISION, Stage.ROUTE, *measured, note)
+                yield deep.refuse(Reason.IN_COLLISION, Stage.ROUTE, q_slot, note)
                 return
-            columns = world.kinematics.columns[name]
-            met = path_contact(world, columns, world.configuration({}), path)
+            met = arm_contact(world, name, path)
             if met is not None:
                 contact, at, _ = met
-                measured = contact.pair, contact.distance, at
-                refusal = Verdict(Reason.IN_COLLISION, Stage.ROUTE, *measured)
+                refusal = contact.refuse(Reason.IN_COLLISION, Stage.ROUTE, at)
                 break
             paths.append(path)
         if len(paths) == len(ways):

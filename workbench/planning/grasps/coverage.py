@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell, Tool
 from workbench.model.derived.by_tcp import by_each_tcp
-from workbench.model.geometry import Bools, Floats, frozen, put, spread_directions
+from workbench.model.geometry import Bools, Floats, own, spread_directions
 from workbench.model.messages.message import Message
 from workbench.model.messages.work import ProgressText
 from workbench.model.part import Grasp, Part, widen_grasp
@@ -54,12 +54,7 @@ class MissingGrasp:
     would_work: float
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            direction=frozen(self.direction),
-            point=frozen(self.point),
-            normal=frozen(self.normal),
-        )
+        own(self, "direction", "point", "normal")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,13 +80,7 @@ class Coverage:
     lying_share: float | None = None
 
     def __post_init__(self) -> None:
-        put(
-            self,
-            directions=frozen(self.directions),
-            shares=frozen(self.shares),
-            arm_shares=frozen(self.arm_shares),
-            grasp_shares=frozen(self.grasp_shares),
-        )
+        own(self, "directions", "shares", "arm_shares", "grasp_shares")
 
     @property
     def share(self) -> float:

@@ -1,4 +1,4 @@
-"""Grasps that a part's shape suggests: opposite faces for two fingers, even ones for a cup.
+"""Grasps that a part's shape suggests: opposite faces for two fingers, even faces for a cup.
 
 Pairs of points with opposite normals are sampled on the surface, and hands put around them from
 all sides; the most promising are checked closely (`grasp_check`), unless like better ones.

@@ -19,7 +19,7 @@ from workbench.planning.kinematics.chain import Chain, chain_of, is_solution
 from workbench.planning.kinematics.inverse import configurations
 
 IK_STARTS = 6
-"""Starting points of the inverse kinematics, beside the answer before."""
+"""Starting points of the inverse kinematics, in addition to the last answer."""
 
 NO_TARGET = -2
 """The part is not among what the tool is checked against: `GraspChecker` has done that."""

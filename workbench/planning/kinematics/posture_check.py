@@ -53,7 +53,7 @@ def causes_of(kinematics: Kinematics, arm: Arm, q: Floats, T_shown: pin.SE3) -> 
         T_shown: the pose on the pendant.
 
     Returns:
-        Agreement alone where the poses agree; beside a joint only what needs one number as well.
+        Agreement alone where the poses agree; together with a joint only causes of one number.
     """
     here = base_poses(kinematics, arm, q)
     for frame, T in here.items():

@@ -184,7 +184,7 @@ def _draw(
 
 @njit_in_place
 def _seconds(q: Floats, stops: Floats, velocity: Floats, acceleration: Floats) -> float:
-    """As `between`, of one configuration."""
+    """As `seconds_to_all`, of one configuration (n,)."""
     total = 0.0
     for s in range(len(stops)):
         longest = 0.0

@@ -157,7 +157,7 @@ class _Request:
         if len(assigned) < 2 or self.strategy == Strategy.ALTERNATED:
             return False
         is_auto = self.strategy != Strategy.COORDINATED
-        is_far = _apart(self.world, assigned) >= self.threshold
+        is_far = _distance_between(self.world, assigned) >= self.threshold
         return self.world.cell.moves_both_arms and is_far if is_auto else True
 
 
@@ -169,7 +169,7 @@ def _plan_picks(
     best: tuple[Plan, ...] = ()
     refusal: Verdict | None = None
     tried = 0
-    for pair in islice(_alike(request, assigned, is_free=is_free), PICKS_TRIED):
+    for pair in islice(_similar_picks(request, assigned, is_free=is_free), PICKS_TRIED):
         if cancelled():
             raise JobCancelled(CancelText.PLANNING())
         found = _route(request, chosen, pair, is_free=is_free)
@@ -222,7 +222,9 @@ def _route(
     return found or _route(request, chosen, assigned, is_free=False)
 
 
-def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> list[Sequence[Pick]]:
+def _similar_picks(
+    request: _Request, assigned: Sequence[Pick], *, is_free: bool
+) -> list[Sequence[Pick]]:
     """Picks of the same parts by the same arms, those first that promise most.
 
     In turns these are the given ones.  Where both arms may be in the bin they can work at once;
@@ -328,7 +330,7 @@ def _of_several_heaps(world: World) -> Callable[[Sequence[Pick]], bool]:
     return lambda picks: len({heap[p.candidate.detection] for p in picks}) == len(picks)
 
 
-def _apart(world: World, picks: Sequence[Pick]) -> float:
+def _distance_between(world: World, picks: Sequence[Pick]) -> float:
     """How far two parts lie from each other [m]."""
     first, second = (
         world.detections[pick.candidate.detection].T_world_part.translation for pick in picks
@@ -343,6 +345,6 @@ def _notes(world: World, picks: Sequence[Pick], threshold: float) -> Iterator[Me
     if len(picks) < 2:
         yield PlanNote.NO_OTHER_ARM()
         return
-    distance = _apart(world, picks)
+    distance = _distance_between(world, picks)
     text = PlanNote.NEARER if distance < threshold else PlanNote.FARTHER
     yield text(distance=distance, threshold=threshold)

@@ -31,16 +31,16 @@ from workbench.planning.collision.legs import HOLDING, LEAVING, Run, lead_of, ph
 from workbench.planning.collision.motion import Curves, bound_curves, chain_contact
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import pace_of
+from workbench.planning.picking.leaving import along_placed
 from workbench.planning.picking.order import Cost
 from workbench.planning.picking.route import (
     MOTIONS,
-    along_placed,
     arm_plan,
     hand_of,
     keep_upright,
     leg_of,
 )
-from workbench.planning.picking.search import PathQuery, joint_weights, onward
+from workbench.planning.picking.search import Check, PathQuery, joint_weights, onward
 from workbench.planning.picking.synchronized_motion import in_step
 
 CARRYING = LEG_NAMES.index("return")
@@ -150,7 +150,7 @@ def coordinate(
     rng, steps = np.random.default_rng(np.random.SeedSequence([seed, 0])), list[Step]()
     guarantee = Guarantee.TIME_INDEPENDENT
     for name in LEG_NAMES:
-        together = _together(world, (ArmTask(single, name), ArmTask(other, name)), rng)
+        together = _combine_legs(world, (ArmTask(single, name), ArmTask(other, name)), rng)
         if isinstance(together, Verdict):
             return together
         (first, second), some, is_in_step = together
@@ -172,7 +172,7 @@ def coordinate(
     )
 
 
-def _together(
+def _combine_legs(
     world: World, pair: Pair, rng: np.random.Generator
 ) -> tuple[Pair, list[Step], bool] | Verdict:
     """Two legs by the first way that works: the tasks, their steps, and whether in step."""
@@ -180,7 +180,7 @@ def _together(
     touch = find_arm_contact(world, pair)
     if touch is None:
         return pair, one_step, False
-    for around in _around(world, pair, rng):
+    for around in _lead_around(world, pair, rng):
         return around, one_step, False
     turns = _one_after_the_other(world, pair)
     if turns is not None:
@@ -192,8 +192,7 @@ def _together(
     where = VerdictNote.ARMS_MEET(
         legs=(VerdictNote.ARM_LEG(arm=task.plan.arm, leg=leg_message(task.name)) for task in pair)
     )
-    contact = touch.contact
-    return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, touch.q[0], where)
+    return touch.contact.refuse(Reason.NO_PATH, Stage.ROUTE, touch.q[0], where)
 
 
 def _enter(world: World, pair: Pair) -> None:
@@ -225,13 +224,13 @@ def find_arm_contact(world: World, pair: Pair) -> ArmContact | None:
     return first_contact(world, world.configuration({}), first, second)
 
 
-def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair]:
+def _lead_around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair]:
     """The pair with the free motion of one arm led around the whole way of the other."""
     for slave, master in ((1, 0), (0, 1)):
         task = pair[slave]
         if MOTIONS[task.name] != "joint":
             continue
-        columns, base = world.kinematics.columns[task.plan.arm], world.configuration({})
+        base = world.configuration({})
         way, goal = _sweep_of(world, pair[master]), np.asarray(task.leg.q[-1])
         lead = lead_of(task.leg, world.policy.straight_points)
         begin = standing(task.plan.arm, lead[0])
@@ -244,27 +243,11 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
             continue
         if along_placed(world, task.plan.arm, lead) is not None:
             continue
-        among = world.pairs.all_but(task.plan.arm, way.arm)
-
-        def check(
-            curves: Curves,
-            base: Floats = base,
-            columns: np.ndarray = columns,
-            among: np.ndarray = among,
-            arm: str = task.plan.arm,
-            way: ArmSweep = way,
-        ) -> tuple[Contact | None, Floats] | None:
-            found = chain_contact(world, columns, base, curves, among=among)
-            if found is not None:
-                return found[:2]
-            touch = first_contact(world, base, ArmSweep(arm, curves.points), way)
-            return None if touch is None else (touch.contact, touch.q[0])
-
         chain = world.chains[task.plan.arm]
         query = PathQuery(
-            check,
+            _check_around(world, task.plan.arm, way),
             (chain.lower, chain.upper),
-            joint_weights(len(columns), world.policy),
+            joint_weights(len(goal), world.policy),
             world.policy,
             world.motion,
             world.deadline,
@@ -279,6 +262,21 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         leg = leg_of(world, arm, task.name, path, task.leg.opening, hand)
         led = task.with_leg(leg)
         yield (pair[0], led) if slave else (led, pair[1])
+
+
+def _check_around(world: World, arm: str, way: ArmSweep) -> Check:
+    """Whether motions of an arm are clear, also of all that another arm sweeps on its `way`."""
+    columns, base = world.kinematics.columns[arm], world.configuration({})
+    among = world.pairs.all_but(arm, way.arm)
+
+    def check(curves: Curves) -> tuple[Contact | None, Floats] | None:
+        found = chain_contact(world, columns, base, curves, among=among)
+        if found is not None:
+            return found[:2]
+        touch = first_contact(world, base, ArmSweep(arm, curves.points), way)
+        return None if touch is None else (touch.contact, touch.q[0])
+
+    return check
 
 
 def _one_after_the_other(world: World, pair: Pair) -> list[Step] | None:

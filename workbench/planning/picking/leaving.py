@@ -1,6 +1,5 @@
-"""How a hand comes away from the part it has let go of: nearer than the margin only at first."""
+"""How a hand leaves the part it has let go of, and what it meets of other placed parts."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +7,7 @@ import numpy as np
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.contact import Contact
-from workbench.planning.collision.motion import bound_curves, chain_contact
+from workbench.planning.collision.motion import arm_contact
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 
@@ -20,38 +19,49 @@ SPARE_MARGIN = 0.0005
 at a distance that may just be the margin."""
 
 
-def find_contact_after_release(
-    world: World,
-    arms: Sequence[str],
-    columns: Ints,
-    base: Floats,
-    path: Floats,
-) -> tuple[Contact, Floats, int] | None:
-    """Where a hand violates the margin to the part it has let go of, or never leaves it.
-
-    From the first waypoint on at which they have left them they keep the full margin; what holds
-    until then is a matter of `World.allow_start_contacts`.  An arm that does not move at all,
-    since its place is at home, stays as near as it is.
+def along_placed(world: World, arm: str, path: Floats) -> tuple[Contact, Floats] | None:
+    """The first part placed by another arm that an arm meets on a path, in this phase.
 
     Args:
         world: in the phase of the leg.
-        arms: that have let go of something; others may be among them.
-        columns: see `motion.chain_contact`, as the next one.
-        base: see there.
+        arm: its name.
+        path: (m, n) [rad] waypoints.
+
+    Returns:
+        What meets what, and the arm's configuration (n,) [rad] there.
+    """
+    among = world.pairs.to_placed(arm)
+    if len(among) == 0:
+        return None
+    found = arm_contact(world, arm, path, among)
+    return None if found is None else found[:2]
+
+
+def find_contact_after_release(
+    world: World, arm: str, path: Floats
+) -> tuple[Contact, Floats, int] | None:
+    """Where a hand violates the margin to the part it has let go of, or never leaves it.
+
+    From the first waypoint on at which the hand has left the part it keeps the full margin; until
+    then `World.allow_start_contacts` applies.  An arm that does not move at all, since its place is
+    at home, stays as near as it is.
+
+    Args:
+        world: in the phase of the leg.
+        arm: name of the arm that has let go of the part.
         path: waypoints (m, n) [rad].
 
     Returns:
         As `motion.chain_contact`.
     """
-    pairs = np.concatenate([world.pairs.left_behind(arm) for arm in arms])
+    pairs = world.pairs.left_behind(arm)
     if len(pairs) == 0 or not np.diff(path, axis=0).any():
         return None
-    number, contact = _first_clear(world, pairs, columns, base, path)
+    number, contact = _first_clear(world, pairs, arm, path)
     if number == len(path) - 1:
         return None if contact is None else (contact, path[-1], len(path) - 2)
     with world.at_full_margins():
-        curves = bound_curves(path[number:], world.motion, world.policy.zone)
-        found = chain_contact(world, columns, base, curves, among=pairs)
+        found = arm_contact(world, arm, path[number:], pairs)
     return None if found is None else (found[0], found[1], found[2] + number)
 
 
@@ -77,15 +87,12 @@ def is_around(world: World, arm: Arm, phase: LegPhase, q: Floats) -> bool:
     return False
 
 
-def _first_clear(
-    world: World, pairs: Ints, columns: Ints, base: Floats, path: Floats
-) -> tuple[int, Contact | None]:
-    """The first waypoint with pairs clear by `SPARE_MARGIN`; the last one, with what is not."""
-    whole, contact = base.copy(), None
+def _first_clear(world: World, pairs: Ints, arm: str, path: Floats) -> tuple[int, Contact | None]:
+    """The first waypoint with pairs clear by `SPARE_MARGIN`; else the last, with its contact."""
+    contact = None
     with world.at_full_margins(SPARE_MARGIN):
         for number, q in enumerate(path):
-            whole[columns] = q
-            contact = world.contact(whole, pairs)
+            contact = world.contact(world.configuration({arm: q}), pairs)
             if contact is None:
                 return number, None
     return len(path) - 1, contact

@@ -29,18 +29,18 @@ from workbench.planning.collision.part_ways import PartLifts, PartWays
 from workbench.planning.collision.world import World
 
 AUTHORED = "as authored"
-"""The way of a grasp that says how the part is taken out."""
+"""Name of the lift of a grasp that states its retreat."""
 
 LEAN_SIDES = 12
 
 MOST_CLEAR = 6
-"""Lifts that are tried with the arm; where many are clear, the first of them do."""
+"""Clear lifts that are tried with the arm, in their order."""
 
 LIFT_COSINE = np.cos(np.deg2rad(60.0))
-"""The way back out is a lift when it rises at least like this."""
+"""The way back out is a lift if the cosine of its angle to the vertical is at least this."""
 
 SAME_DIRECTION = np.cos(np.deg2rad(4.0))
-"""Ways that differ by less than this angle are one."""
+"""Cosine of the angle between directions below which they count as equal."""
 
 
 def lift_message(name: str) -> Message | str:

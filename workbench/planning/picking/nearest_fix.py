@@ -1,6 +1,5 @@
 """What would have to change for a refused grasp to work: found by trying, smallest change first."""
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -21,37 +20,37 @@ from workbench.planning.kinematics.inverse import configurations, starts_of
 from workbench.planning.picking.propose import candidate_of
 from workbench.planning.picking.resolve import resolve
 
-TURNS_TRIED = tuple(range(5, 50, 5))
-"""[degrees] about the approach axis, both ways."""
+TURNS_TRIED: tuple[float, ...] = tuple(np.deg2rad(range(5, 50, 5)).tolist())
+"""[rad] Turns of the hand about the approach axis, in both directions."""
 
-BACK_OFFS = tuple(range(1, 11))
-"""[mm] by which the hand may take the part less deep."""
+BACK_OFFS = tuple(k / 1000 for k in range(1, 11))
+"""[m] Distances by which the hand grasps less deep."""
 
-SLIDES = (2, 4, 6, 8, 10)
-"""[mm] along the fingers' opening and across it, both ways."""
+SLIDES = (0.002, 0.004, 0.006, 0.008, 0.010)
+"""[m] Shifts along the fingers' opening and across it, in both directions."""
 
-OPENINGS = (2, 4, 6, 8, 10, 12)
-"""[mm] by which the fingers may arrive less or more open."""
+OPENINGS = (0.002, 0.004, 0.006, 0.008, 0.010, 0.012)
+"""[m] Changes of the fingers' opening on arrival, in both directions."""
 
-MOVES = (20, 40, 60, 80, 100, 150, 200, 300, 400)
-"""[mm] by which the bin, with all that lies in it, may lie elsewhere along one axis."""
+BIN_MOVES = (0.02, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.4)
+"""[m] Shifts of the bin with its content along one axis."""
 
 ROLL_CHANGE = FixText.ROLL()
-"""The change that admits what works for parts as they were found, but not for every roll."""
+"""The change that admits a grasp for the poses found, but not for every roll of the part."""
 
 LEAST_AIR = 0.001
-"""[m] That is left between each finger and the part, at least."""
+"""[m] Minimum gap between each finger and the part."""
 
 MOST_REFUSED = 8
-"""Candidates that are checked, the best ones first."""
+"""Candidates for which changes are tried, the best of them first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fix:
-    """A change that admits a refused candidate; it was tried up to the place.
+    """A change that may admit a refused candidate.
 
     `change` is the message about it.  `grasp` or `policy` is the changed one; neither for
-    `ROLL_CHANGE`, which nothing here can make.
+    `ROLL_CHANGE` and a moved bin, which only a person can make.
     """
 
     candidate: Candidate
@@ -61,10 +60,13 @@ class Fix:
 
 
 def fix_words(fix: Fix | None) -> Message:
-    """A fix as the command line and the page say it: for which candidate, and what was tried."""
+    """The message about a fix: for which candidate, and what was tried."""
     if fix is None:
         return FixText.NONE(
-            turn=TURNS_TRIED[-1], back=BACK_OFFS[-1], slide=SLIDES[-1], opening=OPENINGS[-1]
+            turn=_degrees(TURNS_TRIED[-1]),
+            back=_millimetres(BACK_OFFS[-1]),
+            slide=_millimetres(SLIDES[-1]),
+            opening=_millimetres(OPENINGS[-1]),
         )
     candidate = fix.candidate
     return FixText.NEAREST(
@@ -84,17 +86,16 @@ def nearest_fix(
     obstacles: tuple[Obstacle, ...] = (),
     may_move_bin: bool = True,
 ) -> Fix | None:
-    """The smallest change that was found to admit a refused candidate, the best one if possible.
+    """The smallest change that admits a refused candidate, tried up to the place.
 
-    The best is the one that got furthest along the line, then that which lacks least distance;
-    the next ones are checked when nothing admits it.
+    Candidates are tried in the order of their progress, then of the distance that they lack.
 
     Args:
         cell: that the candidates were judged in.
         detections: the parts found.
         candidates: all of them, judged.
         seed: of the request.
-        obstacles: what the scan shows beside the parts.
+        obstacles: other objects in the scan.
         may_move_bin: where no grasp helps and some are out of reach, bin or base may be moved.
 
     Returns:
@@ -108,57 +109,49 @@ def nearest_fix(
     refused.sort(key=lambda candidate: candidate.verdict.progress, reverse=True)
     fixes = Fixes(cell, detections, obstacles, seed=seed)
     for best in refused[:MOST_REFUSED]:
-        for change in fixes.of(best):
-            if fixes.admits(best, change):
-                return fixes.fix(best, change)
+        for fix in fixes.of(best):
+            if fixes.admits(fix):
+                return fix
     if not may_move_bin:
         return None
     far = [candidate for candidate in candidates if candidate.verdict.reason is Reason.OUT_OF_REACH]
     far.sort(key=lambda candidate: candidate.verdict.distance or np.inf)
-    return _moved_bin(cell, detections, far[:MOST_REFUSED], obstacles, seed)
+    return _move_bin(cell, detections, far[:MOST_REFUSED], obstacles, seed)
 
 
-def _moved_bin(
+def _move_bin(
     cell: Cell,
     detections: tuple[Detection, ...],
     far: list[Candidate],
     obstacles: tuple[Obstacle, ...],
     seed: int,
 ) -> Fix | None:
-    """The least move of the bin after which one of these, now out of reach, works."""
+    """The least move of the bin that admits one of these candidates, which are out of reach."""
     chains = {arm.name: chain_of(cell, arm) for arm in cell.arms}
     starts = {arm.name: starts_of(chains[arm.name], arm, seed) for arm in cell.arms}
-    for way in MOVES:
-        for axis, sign in product("xyz", (1, -1)):
-            shift = pin.SE3(np.eye(3), sign * way / 1000 * np.eye(3)["xyz".index(axis)])
-            reached = [
-                candidate
-                for candidate in far
-                if len(
-                    configurations(
-                        chains[candidate.arm], shift * candidate.T_world_tcp, starts[candidate.arm]
-                    ).q
-                )
-            ]
-            if not reached:
-                continue
-            admits = _trial(
-                replace(cell, bin=replace(cell.bin, T_world_bin=shift * cell.bin.T_world_bin)),
-                tuple(
-                    replace(detection, T_world_part=shift * detection.T_world_part)
-                    for detection in detections
-                ),
-                tuple(
-                    replace(obstacle, T_world_box=shift * obstacle.T_world_box)
-                    for obstacle in obstacles
-                ),
-                seed,
+    for distance, axis, sign in product(BIN_MOVES, "xyz", (1, -1)):
+        shift = pin.SE3(np.eye(3), sign * distance * np.eye(3)["xyz".index(axis)])
+        reached = [
+            candidate
+            for candidate in far
+            if len(
+                configurations(
+                    chains[candidate.arm], shift * candidate.T_world_tcp, starts[candidate.arm]
+                ).q
             )
-            for candidate in reached:
-                if admits(candidate, candidate.grasp):
-                    by, back = f"{sign * way:+d}", f"{-sign * way:+d}"
-                    change = FixText.MOVE_BIN(by=by, axis=axis, back=back)
-                    return Fix(candidate, change)
+        ]
+        if not reached:
+            continue
+        world = World(
+            replace(cell, bin=replace(cell.bin, T_world_bin=shift * cell.bin.T_world_bin)),
+            tuple(replace(part, T_world_part=shift * part.T_world_part) for part in detections),
+            tuple(replace(box, T_world_box=shift * box.T_world_box) for box in obstacles),
+        )
+        for candidate in reached:
+            if _is_feasible(world, candidate, candidate.grasp, seed):
+                by = _millimetres(sign * distance)
+                change = FixText.MOVE_BIN(by=f"{by:+d}", axis=axis, back=f"{-by:+d}")
+                return Fix(candidate, change)
     return None
 
 
@@ -177,100 +170,84 @@ class Fixes:
         seed: int,
     ) -> None:
         self._cell = cell
-        self._given = (detections, obstacles, seed)
-        self._of: Candidate | None = None
-        self._changed: dict[Message, Grasp] = {}
-        self._trials: dict[tuple[Message | None, str], Callable[[Candidate, Grasp], bool]] = {}
-        policy = cell.policy
-        self._policies: dict[Message, Policy] = {}
-        self._rolls: dict[Message, tuple[Detection, ...]] = {}
-        if not all(detection.roll_known for detection in detections):
-            self._rolls[ROLL_CHANGE] = tuple(
-                replace(detection, roll_known=True, roll_axis=None) for detection in detections
-            )
-        self._of_lifts: list[Message] = []
+        self._detections = detections
+        self._obstacles = obstacles
+        self._seed = seed
+        self._worlds: dict[tuple[Message | None, str], World] = {}
+
+    def of(self, candidate: Candidate) -> list[Fix]:
+        """The changes for a candidate, smallest first; other lifts first if its lift is blocked."""
+        policy, tool = self._cell.policy, self._cell.arm(candidate.arm).tool
+        grasps = [
+            Fix(candidate, change, grasp=grasp)
+            for change, grasp in _grasp_changes(candidate.grasp, tool)
+        ]
+        lifts: list[Fix] = []
         if set(policy.lifts) != set(LIFT_NAMES):
-            words = FixText.LIFTS(lifts=LIFT_NAMES)
-            self._policies[words] = replace(policy, lifts=LIFT_NAMES)
-            self._of_lifts.append(words)
+            change = FixText.LIFTS(lifts=LIFT_NAMES)
+            lifts.append(Fix(candidate, change, policy=replace(policy, lifts=LIFT_NAMES)))
+        others: list[Fix] = []
         if policy.near_margin > 0:
-            words = FixText.NEAR_MARGIN(margin=policy.near_margin)
-            self._policies[words] = replace(policy, near_margin=0.0)
+            change = FixText.NEAR_MARGIN(margin=policy.near_margin)
+            others.append(Fix(candidate, change, policy=replace(policy, near_margin=0.0)))
+        if not all(detection.roll_known for detection in self._detections):
+            others.append(Fix(candidate, ROLL_CHANGE))
+        is_lift_blocked = candidate.verdict.stage is Stage.EXTRACT
+        return [*lifts, *grasps, *others] if is_lift_blocked else [*grasps, *lifts, *others]
 
-    def of(self, candidate: Candidate) -> list[Message]:
-        """The changes in words, the smallest first; other lifts first where that is blocked."""
-        first = self._of_lifts if candidate.verdict.stage is Stage.EXTRACT else []
-        rest = (words for words in self._policies if words not in first)
-        return [*first, *self._grasps(candidate), *rest, *self._rolls]
-
-    def _grasps(self, candidate: Candidate) -> dict[Message, Grasp]:
-        if self._of is not candidate:
-            tool = self._cell.arm(candidate.arm).tool
-            self._of, self._changed = candidate, dict(_changes(candidate.grasp, tool))
-        return self._changed
-
-    def fix(self, candidate: Candidate, change: Message) -> Fix:
-        """A change in words, of those for a candidate, with what it makes of grasp or policy."""
-        policy = self._policies.get(change)
-        grasp = self._grasps(candidate).get(change)
-        return Fix(candidate, change, grasp, policy)
-
-    def admits(self, candidate: Candidate, change: Message) -> bool:
-        """Whether a candidate works with a change, up to the place."""
-        grasp, policy = candidate.grasp, self._policies.get(change)
-        detections, obstacles, seed = self._given
-        detections = self._rolls.get(change, detections)
-        is_of_all = policy is not None or change in self._rolls
-        if not is_of_all:
-            grasp = self._grasps(candidate)[change]
-        key = change if is_of_all else None, candidate.tcp
-        if key not in self._trials:
-            cell = self._cell if policy is None else replace(self._cell, policy=policy)
-            cell = by_taking(cell, candidate)
-            self._trials[key] = _trial(cell, detections, obstacles, seed)
-        return self._trials[key](candidate, grasp)
+    def admits(self, fix: Fix) -> bool:
+        """Whether the candidate of a change, one of those of `of`, is feasible with it."""
+        candidate = fix.candidate
+        # All changes of a grasp share one world, and so do equal changes of different candidates.
+        key = None if fix.grasp else fix.change, candidate.tcp
+        if key not in self._worlds:
+            cell = self._cell if fix.policy is None else replace(self._cell, policy=fix.policy)
+            detections = self._detections
+            if fix.change == ROLL_CHANGE:
+                detections = tuple(
+                    replace(detection, roll_known=True, roll_axis=None) for detection in detections
+                )
+            self._worlds[key] = World(by_taking(cell, candidate), detections, self._obstacles)
+        grasp = fix.grasp or candidate.grasp
+        return _is_feasible(self._worlds[key], candidate, grasp, self._seed)
 
 
-def _trial(
-    cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...], seed: int
-) -> Callable[[Candidate, Grasp], bool]:
-    """Whether another grasp in the place of a candidate's works up to the place."""
-    world = World(cell, detections, obstacles)
-
-    def admits(refused: Candidate, grasp: Grasp) -> bool:
-        arm, number = cell.arm(refused.arm), refused.detection
-        tried = candidate_of(world, number, grasp, arm)
-        return tried.verdict.is_ok and isinstance(resolve(world, tried, seed=seed), Pick)
-
-    return admits
+def _is_feasible(world: World, refused: Candidate, grasp: Grasp, seed: int) -> bool:
+    """Whether a grasp instead of that of a candidate is feasible up to the place."""
+    tried = candidate_of(world, refused.detection, grasp, world.arm(refused.arm))
+    return tried.verdict.is_ok and isinstance(resolve(world, tried, seed=seed), Pick)
 
 
-def _changes(grasp: Grasp, tool: Tool) -> Iterator[tuple[Message, Grasp]]:
-    """Changed grasps with the change in words, in the order of its size against its range."""
+def _grasp_changes(grasp: Grasp, tool: Tool) -> list[tuple[Message, Grasp]]:
+    """Changed grasps with their messages, in the order of the change relative to its range."""
     found: list[tuple[float, Message, Grasp]] = []
 
-    def add(size: float, words: Message, xyz: tuple[float, float, float], yaw: float = 0.0) -> None:
-        T = grasp.T_part_tcp * pose_from_rpy(xyz, (0.0, 0.0, np.deg2rad(yaw)))
-        found.append((size, words, replace(grasp, T_part_tcp=T)))
+    def add(share: float, change: Message, xyz: tuple[float, float, float], yaw: float) -> None:
+        T = grasp.T_part_tcp * pose_from_rpy(xyz, (0.0, 0.0, yaw))
+        found.append((share, change, replace(grasp, T_part_tcp=T)))
 
-    for turn in TURNS_TRIED:
-        for sign in (1, -1):
-            words = FixText.TURN(angle=sign * turn)
-            add(turn / TURNS_TRIED[-1], words, (0.0, 0.0, 0.0), sign * turn)
-    for back in BACK_OFFS:
-        add(back / BACK_OFFS[-1], FixText.LESS_DEEP(by=back / 1000), (0.0, 0.0, -back / 1000))
-    for slide in SLIDES:
-        for sign in (1, -1):
-            way = sign * slide / 1000
-            size = slide / SLIDES[-1]
-            add(size, FixText.SLIDE(by=sign * slide, axis="x"), (way, 0.0, 0.0))
-            add(size, FixText.SLIDE(by=sign * slide, axis="y"), (0.0, way, 0.0))
+    for k, turn in enumerate(TURNS_TRIED, 1):
+        for yaw in (turn, -turn):
+            add(k / len(TURNS_TRIED), FixText.TURN(angle=_degrees(yaw)), (0.0, 0.0, 0.0), yaw)
+    for k, back in enumerate(BACK_OFFS, 1):
+        add(k / len(BACK_OFFS), FixText.LESS_DEEP(by=back), (0.0, 0.0, -back), 0.0)
+    for k, slide in enumerate(SLIDES, 1):
+        for by in (slide, -slide):
+            share, shown = k / len(SLIDES), _millimetres(by)
+            add(share, FixText.SLIDE(by=shown, axis="x"), (by, 0.0, 0.0), 0.0)
+            add(share, FixText.SLIDE(by=shown, axis="y"), (0.0, by, 0.0), 0.0)
     low, high = tool.stroke
-    for step in OPENINGS if tool.fingers else ():
-        for sign in (-1, 1):
-            wide = grasp.opening + sign * step / 1000
-            if max(grasp.grip + 2 * LEAST_AIR, low) <= wide <= high:
-                words = FixText.OPENING(opening=wide)
-                found.append((step / OPENINGS[-1], words, replace(grasp, opening=wide)))
-    for _, words, changed in sorted(found, key=lambda entry: entry[0]):
-        yield words, changed
+    for k, step in enumerate(OPENINGS if tool.fingers else (), 1):
+        for opening in (grasp.opening - step, grasp.opening + step):
+            if max(grasp.grip + 2 * LEAST_AIR, low) <= opening <= high:
+                change = FixText.OPENING(opening=opening)
+                found.append((k / len(OPENINGS), change, replace(grasp, opening=opening)))
+    return [(change, changed) for _, change, changed in sorted(found, key=lambda entry: entry[0])]
+
+
+def _degrees(angle: float) -> int:
+    return round(np.rad2deg(angle))
+
+
+def _millimetres(length: float) -> int:
+    return round(length * 1000)

@@ -12,7 +12,7 @@ from workbench.planning.collision.world import World
 Cost = Callable[[Pick], float]
 
 OTHER_SIDE = 1.0
-"""[m] What it counts that an arm reaches over to the other side: more than any bin is wide."""
+"""[m] Cost of an arm that reaches over to the other side: more than any bin is wide."""
 
 
 def cost_of(world: World, order: OrderName) -> Cost:

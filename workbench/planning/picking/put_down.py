@@ -19,7 +19,7 @@ from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import DOWN, PLACE_LIFT, PartPlace
 from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.legs import hand_turns
-from workbench.planning.collision.motion import path_contact
+from workbench.planning.collision.motion import arm_contact
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.unknown_rolls import axis_of
 from workbench.planning.collision.world import World
@@ -27,7 +27,7 @@ from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 from workbench.planning.kinematics.inverse import configurations
 from workbench.planning.kinematics.quickness import draw_towards, pace_of, seconds_to_all
 from workbench.planning.kinematics.straight import follow
-from workbench.planning.picking.leaving import find_contact_after_release, is_around
+from workbench.planning.picking.leaving import along_placed, find_contact_after_release, is_around
 from workbench.planning.placing.assembling import arm_placing
 from workbench.planning.placing.pallets import open_places, why_full
 from workbench.planning.planners.clock import processor_time
@@ -141,8 +141,7 @@ def _straight(
     That comes first which is soonest reached from where the arm comes from, the first of the
     `starts`, and left for home.
     """
-    policy, base, number = world.policy, world.configuration({}), phase.held[arm.name][0]
-    chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
+    policy, chain, number = world.policy, world.chains[arm.name], phase.held[arm.name][0]
     pace, stops = pace_of(chain, policy.speed), np.stack([starts[0], arm.home])
     found: list[tuple[float, Floats, pin.SE3]] = []
     for T_world_tcp in hands.Ts_world_tcp:
@@ -165,7 +164,7 @@ def _straight(
             continue
         path = world.motion.rounded(path[::-1])
         world.enter(phase)
-        met = path_contact(world, columns, base, path)
+        met = arm_contact(world, arm.name, path)
         if met is None and insertion_of(world.cell, world.detections[number].part) is not None:
             # Where it begins, the part keeps its whole margin to what it comes onto, too.
             world.enter(replace(phase, inserts=frozenset()))
@@ -174,8 +173,7 @@ def _straight(
         if met is None:
             yield path
         else:
-            pair, distance = met[0].pair, met[0].distance
-            yield Verdict(Reason.NO_PLACE, Stage.PLACE, pair, distance, met[1])
+            yield met[0].refuse(Reason.NO_PLACE, Stage.PLACE, met[1])
 
 
 def _refuse_there(world: World, phase: LegPhase, arm: Arm, T_world_tcp: pin.SE3) -> Verdict | None:
@@ -267,7 +265,7 @@ def find_configurations_at_places(
             if contact is None:
                 near.append(q)
             else:
-                met.append(Verdict(Reason.NO_PLACE, Stage.PLACE, contact.pair, contact.distance, q))
+                met.append(contact.refuse(Reason.NO_PLACE, Stage.PLACE, q))
         if near:
             return PlaceConfigurations(near, None)
     if ways == 0:
@@ -283,9 +281,9 @@ def find_configurations_at_places(
 
 
 def put_down(world: World, pick: Pick, others: LegPhase) -> PutDown | Verdict:
-    """A way to a place and out of there, beside what other arms have placed.
+    """The motions to a place and out of it, clear of what other arms have placed.
 
-    That of the pick comes first.
+    The motion of the pick is tried first.
 
     Args:
         world: of the cell and the detections that the pick was made from.
@@ -315,7 +313,9 @@ def put_down(world: World, pick: Pick, others: LegPhase) -> PutDown | Verdict:
             refusal = refusal or down
             continue
         world.enter(brings)
-        met = _find_contact(world, arm, down)
+        # All but what other arms have placed is known to be clear.
+        found = along_placed(world, arm.name, down)
+        met = None if found is None else found[0].refuse(Reason.NO_PLACE, Stage.PLACE, found[1])
         if met is None and np.array_equal(down[-1], home_of(world, arm)):
             return PutDown(down, down[-1:])
         if met is None:
@@ -349,28 +349,13 @@ def _back(T_world_tcp: pin.SE3, way: Floats) -> pin.SE3:
     return pin.SE3(T_world_tcp.rotation, T_world_tcp.translation - way)
 
 
-def _find_contact(world: World, arm: Arm, path: Floats) -> Verdict | None:
-    """What a way to a place meets of what other arms have placed; the rest is known to be clear."""
-    among = world.pairs.to_placed(arm.name)
-    if len(among) == 0:
-        return None
-    columns, base = world.kinematics.columns[arm.name], world.configuration({})
-    found = path_contact(world, columns, base, path, among)
-    if found is None:
-        return None
-    contact, q, _ = found
-    return Verdict(Reason.NO_PLACE, Stage.PLACE, contact.pair, contact.distance, q)
-
-
 def _way_out(world: World, pick: Pick, arm: Arm, phase: LegPhase, down: Floats) -> Floats | Verdict:
     """The linear motion (m, n) of the open hand out of where it has put the part `down`.
 
     It goes out as it had come to the part in the bin; where that is not possible, straight back,
     and farther where its fingers would still be around the part.
     """
-    q_place = down[-1]
-    policy, base = world.policy, world.configuration({})
-    chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
+    q_place, chain = down[-1], world.chains[arm.name]
     T_grasp_pregrasp = chain.pose(pick.q_grasp).actInv(chain.pose(np.asarray(pick.approach[0])))
     T_world_tcp = chain.pose(q_place)
     came = T_world_tcp.translation - chain.pose(down[0]).translation
@@ -378,7 +363,7 @@ def _way_out(world: World, pick: Pick, arm: Arm, phase: LegPhase, down: Floats) 
     back = [_back(T_world_tcp, far * way) for far in (1.0, FARTHER)]
     refusal: Verdict | None = None
     for T_world_out in (T_world_tcp * T_grasp_pregrasp, *back):
-        path, share = follow(chain, q_place, T_world_out, policy.straight_points)
+        path, share = follow(chain, q_place, T_world_out, world.policy.straight_points)
         if share < 1.0:
             note = VerdictNote.RETREAT_ENDS(share=share)
             refusal = refusal or Verdict(Reason.NO_PLACE, Stage.PLACE, q=path[-1], note=note)
@@ -386,15 +371,13 @@ def _way_out(world: World, pick: Pick, arm: Arm, phase: LegPhase, down: Floats) 
         path = world.motion.rounded(path)
         world.enter(phase)
         world.allow_start_contacts(world.configuration({arm.name: q_place}))
-        found = path_contact(world, columns, base, path)
-        found = found or find_contact_after_release(world, (arm.name,), columns, base, path)
+        found = arm_contact(world, arm.name, path)
+        found = found or find_contact_after_release(world, arm.name, path)
         if found is None and not is_around(world, arm, phase, path[-1]):
             return path
         if found is None:
             continue
         contact, q, _ = found
         note = VerdictNote.ON_RETREAT()
-        refusal = refusal or Verdict(
-            Reason.NO_PLACE, Stage.PLACE, contact.pair, contact.distance, q, note
-        )
+        refusal = refusal or contact.refuse(Reason.NO_PLACE, Stage.PLACE, q, note)
     return refusal or Verdict(Reason.NO_PLACE, Stage.PLACE)

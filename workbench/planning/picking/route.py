@@ -17,13 +17,13 @@ from workbench.model.messages.plans import leg_message
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.motion import LEG_NAMES
 from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
-from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, Run, phase_of
-from workbench.planning.collision.motion import RESOLUTION, path_contact
+from workbench.planning.collision.motion import RESOLUTION
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.quickness import pace_of
 from workbench.planning.kinematics.upright import UprightLimit, Uprightness, upright_limit
+from workbench.planning.picking.leaving import along_placed
 from workbench.planning.picking.put_down import PutDown, home_of, put_down
 from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, onward
 from workbench.planning.planners.clock import working_time
@@ -140,8 +140,7 @@ def arm_plan(
         found = along_placed(world, arm.name, np.asarray(plan.leg(name).q))
         if found is not None:
             contact, q = found
-            reason = STRAIGHT_REASONS[name]
-            return Verdict(reason, Stage.ROUTE, contact.pair, contact.distance, q)
+            return contact.refuse(STRAIGHT_REASONS[name], Stage.ROUTE, q)
     home = home_of(world, arm)
     seeds = np.random.SeedSequence([seed, plan.detection, ord(arm.controller_id)])
     rng = np.random.default_rng(seeds)
@@ -182,25 +181,6 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
     grip = FoundGrip(grasp.T_part_tcp, grasp.opening, grasp.grip) if grasp.is_found else None
     tcp = arm.tool.tcp
     return ArmPlan(arm.name, *taken, arm.joints, legs, loads=loads, found=grip, tcp=tcp)
-
-
-def along_placed(world: World, arm: str, path: Floats) -> tuple[Contact, Floats] | None:
-    """The first part placed by another arm that an arm meets on a path, in this phase.
-
-    Args:
-        world: in the phase of the leg.
-        arm: its name.
-        path: (m, n) [rad] waypoints.
-
-    Returns:
-        What meets what, and the arm's configuration (n,) [rad] there.
-    """
-    among = world.pairs.to_placed(arm)
-    if len(among) == 0:
-        return None
-    columns, base = world.kinematics.columns[arm], world.configuration({})
-    found = path_contact(world, columns, base, path, among)
-    return None if found is None else found[:2]
 
 
 def _refuse_later_leg(verdict: Verdict, name: LegName) -> Verdict:
@@ -268,8 +248,7 @@ def free_path(
     for q in (lead[-1], goal):
         contact = world.contact(world.configuration({arm.name: q}))
         if contact is not None:
-            note = VerdictNote.AT_END()
-            return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q, note)
+            return contact.refuse(Reason.NO_PATH, Stage.ROUTE, q, VerdictNote.AT_END())
     chain = world.chains[arm.name]
     query = PathQuery(
         curve_check(world, columns, base),

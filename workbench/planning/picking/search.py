@@ -61,7 +61,7 @@ class PathQuery:
             some hundred edges.
         edges: answer for straight motions what `check` would, where they are known.
         pace: of the joints; the path is made quicker by it, where it is known.
-        planner: in the place of the policy's.
+        planner: instead of the planner of the policy.
         upright: what keeps parts upright that are carried.
     """
 
@@ -141,7 +141,7 @@ def search_path(
     contact, q = met
     if contact is None:
         return Verdict(Reason.NO_PATH, Stage.ROUTE, q=q, note=VerdictNote.WOULD_TILT())
-    return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q)
+    return contact.refuse(Reason.NO_PATH, Stage.ROUTE, q)
 
 
 def onward(

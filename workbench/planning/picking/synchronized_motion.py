@@ -77,7 +77,7 @@ def way_in_step(
         lead: waypoints (k, n) [rad] that it begins with.
         goal: where it ends (n,) [rad].
         rng: of everything random.
-        planner: in the place of the policy's.
+        planner: instead of the planner of the policy.
         upright: what keeps parts upright that they carry.
     """
     columns, base, policy = columns_of(world, arms), world.configuration({}), world.policy
@@ -108,7 +108,7 @@ def columns_of(world: World, arms: Sequence[str]) -> Ints:
 def pace_in_step(world: World, arms: Sequence[str]) -> Pace:
     """The pace of all joints of several arms.
 
-    Beside an arm with limits of jerk one without has infinite ones.
+    If only one arm has limits of jerk, those of the other are infinite.
     """
     paces = [pace_of(world.chains[arm], world.policy.speed) for arm in arms]
     jerks = [np.full_like(p.velocity, np.inf) if p.jerk is None else p.jerk for p in paces]

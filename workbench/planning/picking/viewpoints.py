@@ -34,7 +34,7 @@ POSES_TRIED = 40
 """Poses that are tried for each one that is wanted."""
 
 IK_STARTS = 16
-"""Starting points of the inverse kinematics, beside home."""
+"""Starting points of the inverse kinematics, in addition to home."""
 
 
 Draw = Callable[[np.random.Generator], pin.SE3]
@@ -119,7 +119,7 @@ def viewing_poses(mount: ScannerMount, T_tcp_scanner: pin.SE3, shown: Floats, as
     It looks as from the view, except for a tilt and a turn about its axis, and from as far away.
 
     Args:
-        mount: the scanner; its range is kept.
+        mount: the scanner; the distance stays within its range.
         T_tcp_scanner: where it is, in the frame of the arm's TCP.
         shown: (3,) [m] in the world: what it looks at.
         aside: [m] largest distance of what is shown from the scanner's axis, along two others.

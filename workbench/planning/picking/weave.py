@@ -21,7 +21,7 @@ HOMEWARD = LEG_NAMES.index("home")
 """In turns, the second arm may set out while the first goes home."""
 
 WON = 0.001
-"""[s] By less than this nothing is won."""
+"""[s] Smallest reduction of the cycle time that counts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class Move:
 
     @property
     def after(self) -> tuple[int, int]:
-        """How many legs each arm has done then."""
+        """How many legs each arm has done after the step."""
         return self.done[0] + self.moves[0], self.done[1] + self.moves[1]
 
     @property
@@ -47,7 +47,7 @@ class Move:
 
     @property
     def keeps_order(self) -> bool:
-        """Whether the second arm stays behind the first, or beside it."""
+        """Whether the second arm has done no more legs than the first."""
         return self.after[0] >= self.after[1]
 
 
@@ -58,7 +58,7 @@ ALL_MOVES = tuple(
     for moves in ((True, True), (True, False), (False, True))
     if first + moves[0] <= COUNT and second + moves[1] <= COUNT
 )
-"""All steps there are, the last ones first; both arms at once before one of them."""
+"""All possible steps, the last first; both arms at once before one of them."""
 
 
 @dataclass(slots=True)

@@ -95,7 +95,7 @@ def common_fixes(
         detections: the parts found.
         candidates: all of them, judged.
         seed: of the request.
-        obstacles: what the scan shows beside the parts.
+        obstacles: other objects in the scan.
         report: progress.
     """
     taken = {candidate.detection for candidate in candidates if candidate.verdict.is_ok}
@@ -115,9 +115,9 @@ def common_fixes(
         works: set[Message] = set()
         for candidate in best:
             works |= {
-                change
-                for change in fixes.of(candidate)
-                if change not in works and fixes.admits(candidate, change)
+                fix.change
+                for fix in fixes.of(candidate)
+                if fix.change not in works and fixes.admits(fix)
             }
         for change in sorted(works, key=str):
             found.setdefault(change, []).append(number)

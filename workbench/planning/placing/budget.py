@@ -1,4 +1,4 @@
-"""The error budget of a pick: how far from where it shall a part comes to lie, and why."""
+"""The error budget of a pick: how far a part may lie from its target pose, and why."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from workbench.model.candidate import Candidate
 from workbench.model.cell import Cell, Tool
 from workbench.model.derived.assembling import insertion_of
 from workbench.model.derived.by_tcp import by_taking
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, frozen, motions_moved, own
 from workbench.model.messages.grasps import BudgetText
 from workbench.model.messages.message import Message
 from workbench.model.part import Part, PartPlace
@@ -58,7 +58,7 @@ NO_BASES: Mapping[str, PlacingError] = MappingProxyType({})
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Budget:
-    """How far from where it shall a part comes to lie, as far as it is known before.
+    """How far a part may lie from its target pose, as predicted before the pick.
 
     `covariance` (6, 6) [m, rad] is of shifts of the part's origin, then of turns about it, along
     the axes of the hand: x across the pads, y along the fingers' travel, z along the tool.  It is
@@ -85,7 +85,7 @@ class Budget:
     believed_chance: float | None = None
 
     def __post_init__(self) -> None:
-        put(self, covariance=frozen(self.covariance), R_part_hand=frozen(self.R_part_hand))
+        own(self, "covariance", "R_part_hand")
 
     def chance_at(self, place: PartPlace) -> float:
         """The chance, 0..1, that the part lies within the tolerances of a place."""
@@ -133,7 +133,7 @@ def budget_of(
     candidate: Candidate,
     bases: Mapping[str, PlacingError] = NO_BASES,
 ) -> Budget:
-    """What a candidate leaves open of where its part comes to lie; see `budget_by`."""
+    """The error budget of a candidate; see `budget_by`."""
     T_part_tcp = detection.T_world_part.actInv(candidate.T_world_tcp)
     return budget_by(by_taking(cell, candidate), detection, candidate.arm, T_part_tcp, bases)
 
@@ -145,7 +145,7 @@ def budget_by(
     T_part_tcp: pin.SE3,
     bases: Mapping[str, PlacingError] = NO_BASES,
 ) -> Budget:
-    """What a grip leaves open of where its part comes to lie.
+    """The error budget of a grip.
 
     Robot and place count as exact.  The part is taken as lying by itself on something level.
 
@@ -164,7 +164,7 @@ def budget_by(
     R_part_hand = T_part_tcp.rotation @ R_tcp_hand
     grip = _grip(checker, tool, T_part_tcp, T_world_part)
     to_hand = _to_hand(T_world_part, T_part_tcp, R_part_hand)
-    to_part = _shift(-R_part_hand.T @ T_part_tcp.translation)
+    to_part = motions_moved(-R_part_hand.T @ T_part_tcp.translation)
     before = {
         CALIBRATION: to_hand @ calibration_error(cell.scanner, detection) @ to_hand.T,
         LOCALIZATION: to_hand @ localization_error(detection) @ to_hand.T,
@@ -177,7 +177,7 @@ def budget_by(
         name: frozen(to_part @ covariance_of @ to_part.T) for name, covariance_of in kept.items()
     }
     covariance = sum(shares.values(), np.zeros((6, 6)))
-    turned = _turn(R_part_hand)
+    turned = np.kron(np.eye(2), R_part_hand)
     by_scanner = to_part @ grip.keeps @ to_hand @ moves_by_scanner(cell.scanner, detection)
     rest = covariance - shares[CALIBRATION]
     error = PlacingError(turned @ by_scanner, turned @ rest @ turned.T)
@@ -235,12 +235,12 @@ def kept_by_grip(
 def _to_hand(T_world_part: pin.SE3, T_part_tcp: pin.SE3, R_part_hand: Floats) -> Floats:
     """From shifts of the origin, along the world's axes, to those at the TCP, along the hand's."""
     to_tcp = R_part_hand.T @ T_part_tcp.translation
-    return _shift(to_tcp) @ _turn((T_world_part.rotation @ R_part_hand).T)
+    return motions_moved(to_tcp) @ np.kron(np.eye(2), (T_world_part.rotation @ R_part_hand).T)
 
 
 def off_of(covariance: Floats, R_part_hand: Floats, what: Counted) -> tuple[Floats, Floats]:
     """Shifts (n,) [m] and turns (n,) [rad] of parts, of a covariance as that of `Budget`."""
-    errors = draw_errors(covariance, DRAWS, 0) @ _turn(R_part_hand).T
+    errors = draw_errors(covariance, DRAWS, 0) @ np.kron(np.eye(2), R_part_hand).T
     return what.off(errors)
 
 
@@ -268,7 +268,7 @@ def _largest(
     """
     allowed = place or PartPlace(pin.SE3.Identity())
     counts = np.eye(6)
-    counts[:3] = _shift(R_part_hand.T @ what.point)[:3]
+    counts[:3] = motions_moved(R_part_hand.T @ what.point)[:3]
     for axis in what.free:
         along = R_part_hand.T @ axis
         counts[3:, 3:] = counts[3:, 3:] - np.outer(along, along @ counts[3:, 3:])
@@ -279,18 +279,3 @@ def _largest(
     name = max(weighed, key=lambda key: float(weighed[key].sum()))
     axis = int(np.argmax(weighed[name]))
     return name, (*ALONG[has_fingers], *ABOUT[has_fingers])[axis]
-
-
-def _turn(R: Floats) -> Floats:
-    """Shifts and turns along other axes, as (6, 6)."""
-    found = np.zeros((6, 6))
-    found[:3, :3] = found[3:, 3:] = R
-    return found
-
-
-def _shift(to: Floats) -> Floats:
-    """Shifts and turns at a point, as (6, 6), from those at one from which it is at (3,) [m]."""
-    x, y, z = to
-    found = np.eye(6)
-    found[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
-    return found

@@ -1,21 +1,21 @@
-"""How far a part comes to lie from where it shall, and how often that is near enough."""
+"""Distance of a placed part from its target pose, and the chance that it is within tolerance."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, frozen, own, put
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection
 from workbench.model.symmetry import BALL, ROUND, SAME_TURN
 from workbench.planning.collision.unknown_rolls import axis_of
 
 DRAWS = 20_000
-"""Errors that stand for all."""
+"""Random errors drawn for a distribution."""
 
 CONFIDENCE = 0.95
-"""Of this many picks the part lies within what is reported."""
+"""Confidence level of the reported placing error."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,7 +31,8 @@ class Counted:
 
     def __post_init__(self) -> None:
         _, sizes, across = np.linalg.svd(self.free.reshape(-1, 3), full_matrices=False)
-        put(self, point=frozen(self.point), free=frozen(across[sizes > 1e-9]))
+        own(self, "point")
+        put(self, free=frozen(across[sizes > 1e-09]))
 
     def off(self, errors: Floats) -> tuple[Floats, Floats]:
         """How far the part is shifted (n,) [m] and turned (n,) [rad].

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.geometry import Floats, Mesh, frozen, put
+from workbench.model.geometry import Floats, Mesh, frozen, own, put
 from workbench.planning.grasps.grasp_check import FRICTION, GraspChecker
 from workbench.planning.grasps.part_rays import normals_of
 
@@ -52,7 +52,8 @@ class Grip:
     play: float = PLAY
 
     def __post_init__(self) -> None:
-        put(self, keeps=frozen(self.keeps), turns=frozen(self.turns).reshape(-1, 6))
+        own(self, "keeps")
+        put(self, turns=frozen(self.turns).reshape(-1, 6))
 
     def covariance(self, before: Floats) -> Floats:
         """What the grip itself adds (6, 6) [m, rad] to an error of a covariance (6, 6)."""

@@ -36,9 +36,9 @@ def open_places(
     places = arm.places_for(world.detections[number].part)
     if not any(place.pallet for place in places):
         return places
-    kept = _find_sure(arm, world.cell.parts, tuple(world.obstacles))
-    now = _find_filled(arm, () if phase is None else _just_put(world, phase))
-    return tuple(place for place in places if _is_open(arm, place, kept, now))
+    sure = _find_sure(arm, world.cell.parts, tuple(world.obstacles))
+    put = _find_filled(arm, () if phase is None else _just_put(world, phase))
+    return tuple(place for place in places if _is_open(arm, place, sure, put))
 
 
 def why_full(world: World, arm: Arm, number: int) -> Verdict:
@@ -81,17 +81,17 @@ def _find_sure(
 
 
 def _is_open(
-    arm: Arm, place: PartPlace, kept: frozenset[PartPlace], now: frozenset[PartPlace]
+    arm: Arm, place: PartPlace, sure: frozenset[PartPlace], put: frozenset[PartPlace]
 ) -> bool:
     if not place.pallet:
         return True
     others = [part_place for part_place in arm.part_places if part_place.pallet == place.pallet]
     return (
-        place not in kept | now
+        place not in sure | put
         and not any(
-            part_place in kept | now for part_place in others if part_place.layer > place.layer
+            part_place in sure | put for part_place in others if part_place.layer > place.layer
         )
-        and all(part_place in kept for part_place in others if part_place.layer == place.layer - 1)
+        and all(part_place in sure for part_place in others if part_place.layer == place.layer - 1)
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.model.cell import ScannerMount
 from workbench.model.derived.scanner_poses import calibration_covariance
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, motions_moved
 from workbench.model.scan import Detection
 
 CALIBRATION = (0.0005, float(np.deg2rad(0.05)))
@@ -33,10 +33,8 @@ def moves_by_scanner(mount: ScannerMount, detection: Detection) -> Floats:
     """
     if detection.placing is not None:
         return _to_world(detection) @ detection.placing.by_scanner
-    x, y, z = detection.T_world_part.translation - mount.T_world_scanner.translation
-    moves = np.eye(6)
-    moves[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
-    return moves
+    by = detection.T_world_part.translation - mount.T_world_scanner.translation
+    return motions_moved(by)
 
 
 def scanner_error(mount: ScannerMount) -> Floats:

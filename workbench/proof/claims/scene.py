@@ -74,7 +74,7 @@ def _tool(arm: Arm) -> str:
 
 
 def still_of(cell: Cell, scene: Scene) -> Iterator[CheckedBody]:
-    """Fixtures, the bin, and what the scan shows beside the parts."""
+    """Fixtures, the bin, and other objects in the scan."""
 
     def still(label: str, T: pin.SE3, solid: Solid) -> CheckedBody:
         return CheckedBody("still", label, "still", "", -1, 0, T * solid.T_owner_shape, solid.shape)

@@ -146,7 +146,7 @@ def _root(file: Path) -> Path | None:
 
 
 def _home(file: Path, roots: Sequence[Path]) -> Path | None:
-    """The backup that a file belongs to: one of its folders, not whatever lies beside them."""
+    """The backup that a file belongs to: one of its folders, not whatever lies next to them."""
     for root in sorted(roots, key=lambda path: -len(path.parts)):
         if file.is_relative_to(root):
             top = file.relative_to(root).parts[0].lower()
@@ -351,7 +351,7 @@ def _has_main(source: Source) -> bool:
 
 
 def _missing(lists: Sequence[Path], shown: dict[Path, str], found: FolderContents) -> None:
-    """Modules that a list of a program names, and that are not beside it."""
+    """Modules that a program's list names and its folder lacks."""
     for file in lists:
         there = {path.name.lower() for path in file.parent.iterdir()}
         for number, line in enumerate(lines_of(read_whole(file, 1 << 20)).split("\n"), start=1):

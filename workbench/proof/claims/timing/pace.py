@@ -132,7 +132,7 @@ def marks_of(steps: Floats, zone: float, finer: int = 1) -> tuple[Floats, Floats
     """Slopes (k, n) [rad] of the rounded curve at marks, and the widths (k - 1,) between these.
 
     In a corner the slope goes from that of the one way to that of the other at an even rate; it is
-    their mean at the waypoint.  Each piece may be cut into several `finer` ones.
+    their mean at the waypoint.  Each piece may be cut into several `finer` pieces.
     """
     corner = np.linspace(0.0, zone, finer * CORNER + 1)
     straight = np.linspace(zone, 1.0 - zone, finer * STRAIGHT + 1) if zone < 0.5 else corner[-1:]
