@@ -69,7 +69,7 @@ def test_the_hand_goes_from_copy_to_copy_and_a_grasp_to_an_offset(screen, bench,
     boxes.nth(0).press("Tab")
     screen.page.wait_for_timeout(300)
     screen.press("Apply offset")
-    wait(lambda: "at an offset from side" in str(bench.state.message), "the offset")
+    wait(lambda: 'at an offset from "side"' in str(bench.state.message), "the offset")
     T_side_copy = authored.grasp.T_part_tcp.actInv(grasp(bench, copy.name).grasp.T_part_tcp)
     assert np.allclose(T_side_copy.translation, (0.004, 0.0, 0.0), atol=1e-5)
     screen.press("Undo")

@@ -125,7 +125,8 @@ class EmptyingPanel:
         if old is None or old.state is not state:
             kinds = _kinds(state.cell)
             if self._kind.options != kinds and kinds:
-                made = [kind for kind in kinds if kind not in self._kind.options]
+                names = (part.name for part in state.cell.parts)
+                made = [name for name in names if name not in self._kind.options]
                 self._kind.options = kinds
                 if made:
                     # A part that was just made is what one wants to see emptied.

@@ -179,10 +179,10 @@ class Editing:
         lost, self.lost = self.lost, None
         if lost is not None:
             copy = replace(grasp_of(lost), name=self.free_name(lost.name))
-            self.add(
-                (with_grasp(lost, copy),),
-                GraspEditText.COPY_OF_LOST(copy=copy.name, grasp=lost.name),
-            )
+            says = GraspEditText.COPY_OF_LOST(copy=copy.name, grasp=lost.name)
+            if self.add((with_grasp(lost, copy),), says):
+                # It has what was typed.
+                self.choose(entry=copy.name)
 
     def add(self, entries: Sequence[Entry], says: Message) -> bool:
         """Add entries at the end, and choose the first of them; see `show_added`."""

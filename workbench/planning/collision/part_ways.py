@@ -106,9 +106,7 @@ def kept_on_ways(cell: Cell) -> float:
 
 
 class PartWays:
-    """The parts found, each by itself, and what stands around them.
-
-    `known_lifts` are by a detection, where the hand is and how it came; see `lifts`.
+    """The parts found, each by itself, and what stands around them; `known_lifts`: see `lifts`.
 
     Lifetime: as long as the surroundings.
     """
@@ -387,9 +385,8 @@ class PartWays:
 @lru_cache(maxsize=1)
 def _half_sphere() -> Floats:
     """Unit vectors (k, 3) upwards, the steepest first."""
-    lean, turn = np.meshgrid(
-        LEAN_ANGLES, np.arange(LEAN_SIDES) * 2 * np.pi / LEAN_SIDES, indexing="ij"
-    )
+    sides = np.arange(LEAN_SIDES) * 2 * np.pi / LEAN_SIDES
+    lean, turn = np.meshgrid(LEAN_ANGLES, sides, indexing="ij")
     leaning = np.sin(lean) * np.cos(turn), np.sin(lean) * np.sin(turn), np.cos(lean)
     return frozen(np.vstack([(0.0, 0.0, 1.0), np.stack(leaning, axis=-1).reshape(-1, 3)]))
 
