@@ -115,6 +115,7 @@ def test_parts_that_are_sent_for_anew_end_the_question_what_the_hands_hold(cell,
     line.do(TakeScan())
     line.ended(samples.scan(1))
     assert line.state.hands_open
+    line.do(ConfirmHandsEmpty())
     send(line, samples)
     assert line.state.hands_open == ()
 

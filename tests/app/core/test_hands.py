@@ -9,10 +9,11 @@ from line import Line, refused, send
 from samples import Samples
 
 from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
 from workbench.app.core.cycle.scanning import TakeScan, left_pile
 from workbench.app.core.cycle.sending import LinkEnded
-from workbench.app.core.drop_back import PlanDropBack
+from workbench.app.core.drop_back import ConfirmHandsEmpty, PlanDropBack
 from workbench.app.core.hands import arms_that_may_hold, is_drop_next, may_hold
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.picks import Outcome, SentFor, SimulatedPile
@@ -21,6 +22,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.scales import scale_mesh
 from workbench.gui.cycle.approval_views import facts_html
 from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused
 from workbench.model.plan import NO_PART, Proven
 from workbench.model.release import PartReport
 
@@ -139,6 +141,20 @@ def test_every_approval_but_that_of_a_drop_back_names_hands_that_may_hold_a_part
         assert ("right may still hold a part" in html) is is_named
 
 
+def test_a_plan_that_takes_a_part_with_a_hand_that_may_hold_another_is_not_approved(samples):
+    line = Line(samples.cell)
+    send(line, samples)
+    line.do(LinkEnded("stopped by ada"))
+    line.do(AcknowledgeFault())
+    with pytest.raises(CommandRefused) as refusal:
+        send(line, samples)
+    said = str(refusal.value)
+    assert "hand of arm right" in said and "Drop back" in said and "Hands are empty" in said
+    assert line.state.phase is Phase.PLANNED
+    line.do(ConfirmHandsEmpty())
+    assert line.do(Approve(line.state.plan.digest)).phase is Phase.APPROVED
+
+
 def test_a_kind_that_the_cell_has_lost_since_is_dropped_back_by_no_plan(cell, samples):
     line = Line(cell)
     send(line, samples)
@@ -189,8 +205,12 @@ def test_a_sending_that_breaks_off_at_once_leaves_the_longer_part_of_before_in_t
     short = replace(peg, mesh=scale_mesh(peg.mesh, 0.5, np.zeros(3)))
     shorter = replace(cell, parts=(short,))
     line.do(ChangeCell(shorter, "a shorter peg"))
+    line.do(ConfirmHandsEmpty())
+    # The part is in the hand of another arm.
+    line.state = replace(line.state, hands_open=("left",))
     send(line, Samples(shorter))
     assert line.state.largest_sent == longest
     line.do(LinkEnded(parts_placed=1))
+    line.state = replace(line.state, hands_open=())
     send(line, Samples(shorter))
     assert line.state.largest_sent[0] < longest[0]

@@ -54,16 +54,17 @@ def at_home(cell: Cell) -> dict[str, float]:
 def test_it_is_there_after_a_fault_and_plans_for_what_a_person_states(bench, visitor, result):
     button, cell = DropButton(visitor), bench.state.cell
     button.show(shown(visitor, bench.state))
-    assert not button.button.visible
+    assert not button._group.visible
     sent = SentFor((sent_plan(result),))
     state = replace(bench.state, phase=Phase.IDLE, unscanned=sent)
-    assert button.show(shown(visitor, state, at_home(cell)))
-    assert button.button.visible and button.button.disabled
+    assert button.show(shown(visitor, state, at_home(cell))) is button.button
+    assert "May hold a part" in button._line.content
+    assert button._group.visible and button.button.disabled
     with pytest.raises(InputError, match="state first what the hand holds"):
         button.command()
     button._held.value = "two parts"
     assert not button.button.disabled and button.command().held == "two"
-    assert not button.show(shown(visitor, state))
+    assert button.show(shown(visitor, state)) is button.empty
     assert button.button.disabled
     # The next time it is stated anew.
     button.show(shown(visitor, bench.state))
@@ -76,7 +77,14 @@ def test_a_part_that_was_lost_offers_it_and_is_not_the_next_step(bench, visitor,
     lost = Outcome(0, is_picked=False, by="ada", result=PickResult.DROPPED)
     state = replace(bench.state, unscanned=SentFor((sent_plan(result),), (lost,)), phase=Phase.IDLE)
     assert not button.show(shown(visitor, state, at_home(cell)))
-    assert button.button.visible
+    assert button._group.visible
+
+
+def test_after_a_scan_the_question_what_a_hand_holds_is_still_the_next_step(bench, visitor):
+    button, cell = DropButton(visitor), bench.state.cell
+    state = replace(bench.state, phase=Phase.SCANNED, hands_open=("right",))
+    assert button.show(shown(visitor, state, at_home(cell))) is button.button
+    assert "right hand" in button._line.content
 
 
 def test_facts_and_line_state_what_is_held_and_from_how_high_it_falls(bench, cell, result):

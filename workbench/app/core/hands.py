@@ -8,6 +8,7 @@ from workbench.app.core.picks import Outcome
 from workbench.app.core.state import Phase, State, is_remembered, sent_for
 from workbench.model.derived.row_parts import count_taken, parts_taken
 from workbench.model.messages.message import FoundPart, Message
+from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan
 from workbench.model.release import PickResult
@@ -63,6 +64,13 @@ def is_drop_next(state: State) -> bool:
 def arms_that_may_hold(state: State) -> frozenset[str]:
     """The arms that may still hold a part, since nobody has stated that it left the hand."""
     return frozenset(parts_in_hands(state))
+
+
+def full_hand_problem(state: State) -> Message | None:
+    """Why the plans of the row may not be let out: a hand that takes a part may hold one still."""
+    picking = {arm.arm for proven in state.whole_row for arm in proven.plan.picks}
+    full = sorted(picking & arms_that_may_hold(state))
+    return Refusal.HAND_MAY_HOLD(arms=full) if full else None
 
 
 def hands_message(state: State) -> Message | None:

@@ -9,9 +9,11 @@ from workbench.app.core.cell.views import ChooseView
 from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.empty_hand import PlanStir, PlanToolChange, PlanView, may_stir
 from workbench.app.core.drop_back import ConfirmHandsEmpty, PlanDropBack
-from workbench.app.core.hands import is_drop_next, may_hold
+from workbench.app.core.hands import arms_that_may_hold, hands_message, is_drop_next, may_hold
 from workbench.app.core.state import State
+from workbench.gui.help.groups import THREE_COLUMNS_MARK, group
 from workbench.gui.shared.look import View
+from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
 from workbench.model.derived.by_view import view_name, views_of
@@ -64,44 +66,48 @@ class StirButton:
 
 
 class DropButton:
-    """Below **Plan**, to be seen where a hand may hold something that it should not.
+    """A group of its own, to be seen where a hand may hold something that it should not.
 
     With the button by which a person states that no hand does.
     """
 
     def __init__(self, visitor: Visitor):
-        """Add the list and the buttons."""
+        """Add the group with its question, the list and the buttons."""
         self._visitor = visitor
-        self._held: Any = visitor.gui.add_dropdown(
-            "In the hand",
-            (CHOOSE_AMOUNT, *AMOUNTS),
-            initial_value=CHOOSE_AMOUNT,
-            visible=False,
-            hint="One part as it was gripped, in any orientation; two parts; or unknown: the plan "
-            "keeps more room.",
-        )
-        self.button = visitor.gui.add_button(
-            "Drop back",
-            icon=viser.Icon.ARROW_BACK_UP,
-            visible=False,
-            hint="Plans how the arm carries back what it holds, from where it stands, and opens "
-            "its hand there; then a person approves. The scan is void.",
-        )
-        self._empty = visitor.gui.add_button(
-            "Hands are empty",
-            icon=viser.Icon.CHECK,
-            color="gray",
-            visible=False,
-            hint="States that you have looked and that no hand holds a part.",
-        )
+        with group(visitor.gui, "Does a hand hold a part?") as self._group:
+            self._add(visitor.gui)
+        self._group.visible = False
         self._view: View | None = None
         visitor.on_press(self.button, self.command)
-        visitor.on_press(self._empty, ConfirmHandsEmpty)
+        visitor.on_press(self.empty, ConfirmHandsEmpty)
 
         @self._held.on_update
         def _(_: Any) -> None:
             if self._view is not None:
                 self._allow(self._view)
+
+    def _add(self, gui: viser.GuiApi) -> None:
+        gui.add_html(THREE_COLUMNS_MARK)
+        self._line = gui.add_html("")
+        self._held: Any = gui.add_dropdown(
+            "In the hand",
+            (CHOOSE_AMOUNT, *AMOUNTS),
+            initial_value=CHOOSE_AMOUNT,
+            hint="One part as it was gripped, in any orientation; two parts; or unknown: the plan "
+            "keeps more room.",
+        )
+        self.button = gui.add_button(
+            "Drop back",
+            icon=viser.Icon.ARROW_BACK_UP,
+            hint="Plans how the arm carries back what it holds, from where it stands, and opens "
+            "its hand there; then a person approves. The scan is void.",
+        )
+        self.empty = gui.add_button(
+            "Hands are empty",
+            icon=viser.Icon.CHECK,
+            color="gray",
+            hint="States that you have looked and that no hand holds a part.",
+        )
 
     def command(self) -> PlanDropBack:
         """What a press asks for.
@@ -114,17 +120,25 @@ class DropButton:
             raise InputError(NO_AMOUNT)
         return PlanDropBack(str(held))
 
-    def show(self, new: View) -> bool:
-        """Bring it up to date; whether it is the next step."""
+    def show(self, new: View) -> viser.GuiButtonHandle | None:
+        """Bring it up to date; the button that is the next step, None where neither is."""
         self._view, state = new, new.state
-        self.button.visible = self._held.visible = self._empty.visible = may_hold(state)
-        if not self.button.visible:
+        self._group.visible = may_hold(state)
+        if not self._group.visible:
             # Another hand, another time: that is stated anew.
             if self._held.value != CHOOSE_AMOUNT:
                 self._held.value = CHOOSE_AMOUNT
-            return False
-        self._visitor.admit(self._empty, state, ConfirmHandsEmpty)
-        return self._allow(new) and is_drop_next(state)
+            return None
+        words = self._visitor.words
+        asked = words.render(hands_message(state) or "")
+        self._line.content = line(asked, kind="warn", span=3)
+        self._visitor.admit(self.empty, state, ConfirmHandsEmpty)
+        can_drop = self._allow(new)
+        if state.plan is not None and state.plan.is_drop_plan:
+            return None
+        if not is_drop_next(state) and not (state.hands_open and arms_that_may_hold(state)):
+            return None
+        return self.button if can_drop else self.empty
 
     def _allow(self, view: View) -> bool:
         """Let it be pressed, or have it say why not; whether nothing but the amount is missing."""

@@ -38,7 +38,7 @@ from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
 from workbench.gui.drawing.in_view import hidden_message
 from workbench.gui.drawing.play_button import PlayButton, watched_message
-from workbench.gui.help.groups import group
+from workbench.gui.help.groups import THREE_COLUMNS_MARK, group
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
 from workbench.gui.shared.link_views import NO_SAFETY
@@ -59,9 +59,6 @@ from workbench.model.messages.commands import EditText
 from workbench.model.messages.refusals import Refusal
 from workbench.model.scan import ALL_KINDS
 
-THREE_COLUMNS_MARK = '<div class="wb-row"></div>'
-"""A mark that has its folder laid out in three columns, see the style sheet."""
-
 STAYS = '<div class="wb-stays"></div>'
 """A mark that keeps its folder in view, at the bottom, however long what stands above it is."""
 
@@ -73,6 +70,7 @@ class CyclePanel:
         """Add the controls."""
         self._visitor = visitor
         gui = visitor.gui
+        self._drop = DropButton(visitor)
         self._add_scan(gui)
         self._add_parts(gui)
         self._add_plan(gui)
@@ -159,7 +157,6 @@ class CyclePanel:
             self._row.add_row()
             self._stir = StirButton(self._visitor, self._seed)
             self._tool = ToolButton(self._visitor, self._seed)
-            self._drop = DropButton(self._visitor)
 
     def _add_sending(self, gui: viser.GuiApi) -> None:
         with group(gui, "4 · Approve, 5 · Send to the robot") as sending:
@@ -241,8 +238,7 @@ class CyclePanel:
         self._plan.label = visitor.words.render("Plan the rest" if has_rest else "Plan")
         self._go_on.show(new)
         begin = self._view.button if self._view.show(new) else self._scan
-        if is_drop_next := self._drop.show(new):
-            begin = self._drop.button
+        hands = self._drop.show(new)
         is_stepped = self._step.show(new)
         # The button beside Stop lets the robot move, and none stands where Send was just pressed.
         self._send.visible = self._send_line.visible = not is_stepped
@@ -261,7 +257,7 @@ class CyclePanel:
             problem = visitor.words.render(visitor.refusal(state, command, new.at, joints))
             button.disabled = bool(problem)
             visitor.explain(button, problem)
-        after_end = begin if is_drop_next or _has_moved_scanner(state) else self._go_on.button
+        after_end = begin if _has_moved_scanner(state) else self._go_on.button
         after_finding = self._stir.button if stirs_next else self._plan
         if state.disturbed and state.verdict is not None:
             after_finding = begin
@@ -273,7 +269,8 @@ class CyclePanel:
             Phase.APPROVED: self._send,
             Phase.DONE: self._plan if has_rest else after_end,
         }
-        visitor.emphasise(next_step.get(state.phase))
+        # The question what a hand holds comes before all else.
+        visitor.emphasise(hands or next_step.get(state.phase))
 
     def _follow_recipe(self, cell: Cell) -> None:
         """Have the strategy of the recipe planned with, until a person chooses another one."""

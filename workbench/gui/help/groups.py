@@ -11,7 +11,16 @@ GRASPS, CELL, CALIBRATION = "put-grasps-on-a-part", "change-the-cell", "calibrat
 TRUENESS = "check-the-calibration"
 BACKUP, ACCEPTANCE, EMPTYING = "backup", "acceptance", "empty-a-full-bin-in-simulation"
 
+THREE_COLUMNS_MARK = '<div class="wb-row"></div>'
+"""A mark that has its folder laid out in three columns, see the style sheet."""
+
 HELP: Mapping[str, tuple[str, str]] = {
+    "Does a hand hold a part?": (
+        "After a stop nobody knows whether a hand still holds a part, and no plan that takes one "
+        "with it is approved. Look at the hand. Then have it dropped back, or state that it is "
+        "empty.",
+        "stop-faults",
+    ),
     "1 · Scan": (
         "Everything begins with a scan of the bin: points, and where the bin is seen. In a "
         "simulated cell parts fall into the bin before; the same seed gives the same pile. A "

@@ -38,6 +38,10 @@ class Refusal(Text, subject="refusal"):
         "the hand may hold a longer or heavier part than the cell has now: take it out by hand"
     )
     DROP_OTHER_HOLDS = "arm {arm} may hold a part, too: empty it by hand and confirm it"
+    HAND_MAY_HOLD = (
+        "the hand of arm {arms:and} may still hold a part: press Drop back, or look and press "
+        "Hands are empty"
+    )
     HANDS_EMPTY = "no hand may hold a part, by what was sent last"
     DROP_AMOUNT = "the hand holds {known:or}, not {value}"
     NO_PLAN = "there is no plan; make a plan first"

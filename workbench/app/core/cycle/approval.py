@@ -7,6 +7,7 @@ from typing import ClassVar
 from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.standing import lacks_reports, left_on_station, stale_because
 from workbench.app.core.cycle.watching import explain_unwatched, has_seen, other_row
+from workbench.app.core.hands import full_hand_problem
 from workbench.app.core.people import NOBODY, fold_name, is_same_person
 from workbench.app.core.state import Phase, State, row_message
 from workbench.app.core.value_checks import check_number, check_person, named_plan
@@ -55,6 +56,7 @@ class Approve(Command):
         refuse(other_row(state, self.row) or lacks_reports(state) or left_on_station(plans))
         for proven_plan in state.whole_row:
             check_approvable(state.cell, proven_plan.plan, proven_plan.proof, asked.actor, manner)
+        refuse(full_hand_problem(state))
         refuse(stale_because(state, plan, asked.joints))
         refuse(explain_unwatched(state, asked.actor))
         refuse(approved_already(state, asked.actor, asked.now, manner))

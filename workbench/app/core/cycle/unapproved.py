@@ -9,6 +9,7 @@ from typing import ClassVar
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.approval import check_approvable, let_out
 from workbench.app.core.cycle.standing import lacks_reports, left_on_station, stale_because
+from workbench.app.core.hands import full_hand_problem
 from workbench.app.core.people import NOBODY, Role, is_same_person
 from workbench.app.core.state import Phase, State, without_approval
 from workbench.app.core.value_checks import check_person, named_plan
@@ -60,6 +61,7 @@ class ReleasePoses(Command):
             raise CommandRefused(Refusal.NEWER_SCAN())
         refuse(lacks_reports(state) or left_on_station([plan]))
         check_approvable(state.cell, plan, state.proof, state.unapproved_by)
+        refuse(full_hand_problem(state))
         refuse(stale_because(state, plan, asked.joints))
 
     def apply(self, state: State, entry: Entry) -> Decision:
