@@ -24,7 +24,9 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import SendPlan
 from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.drop_back import ConfirmHandsEmpty
 from workbench.app.core.effects import Send, StartJob
+from workbench.app.core.hands import arms_that_may_hold
 from workbench.app.core.state import Phase
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
@@ -61,6 +63,8 @@ class QuickMachines:
 
 def next_command(state):
     digest = state.plan.digest if state.plan is not None else ""
+    if state.phase is Phase.PLANNED and arms_that_may_hold(state):
+        return ConfirmHandsEmpty()
     return {
         Phase.IDLE: TakeScan(),
         Phase.SCANNED: FindParts(),

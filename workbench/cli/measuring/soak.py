@@ -14,6 +14,8 @@ import numpy as np
 from workbench.app.core.cycle.outcomes import AcknowledgeFault
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
+from workbench.app.core.drop_back import ConfirmHandsEmpty
+from workbench.app.core.hands import arms_that_may_hold
 from workbench.app.core.state import Phase
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.records.sessions import new_session
@@ -115,6 +117,8 @@ def _cycle(bench: Bench, number: int, seed: int, lost: list[str], then: int | No
         lost.append(f"cycle {number + 1}, seed {seed}: {error}")
         if bench.state.phase is Phase.FAULT:
             bench.do(AcknowledgeFault(), ACTOR)
+        if arms_that_may_hold(bench.state):
+            bench.do(ConfirmHandsEmpty(), ACTOR)
         return "lost"
     return "done"
 
