@@ -54,8 +54,7 @@ def test_a_message_is_rendered_whole_and_names_stay():
     assert str(BLOCKED) == IN_ENGLISH.render(BLOCKED)
     german = words_of("de").render(BLOCKED)
     assert german == (
-        "Mindestabstand verletzt: left palm und in collision, Abstand 1.2 mm "
-        "(nur für Arm links oder rechts)"
+        "zu nah: left palm und in collision, Abstand 1.2 mm (nur für Arm links oder rechts)"
     )
 
 

@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from workbench.model.digest import LATER, FactsRepr
 from workbench.model.geometry import Floats, frozen, own, put
-from workbench.model.messages.message import Message, all_of, found_part
+from workbench.model.messages.message import HELD_BODY, FoundPart, Message, all_of, found_part
 from workbench.model.messages.verdicts import ReasonText, StageText, VerdictText
 from workbench.model.part import Grasp
 
@@ -105,7 +105,7 @@ class Verdict:
         """The verdict in one sentence."""
         said, far = self.kind.message, self.distance
         if self.pair is not None:
-            first, second = map(found_part, self.pair)
+            first, second = map(_body_words, self.pair)
             if far is None:
                 said = VerdictText.PAIR(reason=said, one=first, other=second)
             elif far > 0:
@@ -122,6 +122,12 @@ class Verdict:
 
     def __str__(self) -> str:
         return str(self.message)
+
+
+def _body_words(label: str) -> FoundPart | Message | str:
+    """What people call a body of a pair."""
+    arm, _, body = label.partition(" ")
+    return VerdictText.IN_HAND(arm=arm) if body.startswith(HELD_BODY) else found_part(label)
 
 
 def kind_of(reason: Reason, *, is_apart: bool) -> Reason:

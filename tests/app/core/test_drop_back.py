@@ -216,7 +216,7 @@ def test_without_a_path_the_state_stays_and_says_why(cell, samples):
     line.do(PlanDropBack())
     verdict = Verdict(Reason.IN_COLLISION, Stage.ROUTE)
     state = line.ended(PlanResult((), None, None, verdict, {}))
-    assert state.phase is Phase.IDLE and "no plan" in str(state.message)
+    assert state.phase is Phase.IDLE and "take the part out by hand" in str(state.message)
     assert is_drop_next(state)
 
 

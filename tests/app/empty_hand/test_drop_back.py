@@ -42,7 +42,8 @@ def test_a_file_states_what_the_hand_holds(cell, tmp_path):
 
 def test_a_ball_that_meets_something_at_the_start_is_named(cell):
     verdict = plan_drop_back(cell, "right", cell.arm("right").home, HeldAmount.ONE).verdict
-    assert verdict.reason is Reason.IN_COLLISION and "body and right held_body" in str(verdict)
+    assert verdict.reason is Reason.IN_COLLISION
+    assert "body and the part in the right hand" in str(verdict)
     for held in (HeldAmount.TWO, HeldAmount.UNKNOWN):
         verdict = plan_drop_back(cell, "right", OVER_BIN, held).verdict
         assert "the ball of what is held meets arm right" in str(verdict)

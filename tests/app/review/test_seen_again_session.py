@@ -11,7 +11,7 @@ from assembling_sessions import Remembering, carry_out, lying, plan
 
 from workbench.app.core.cell.kits import lacks_of
 from workbench.app.core.cell.recipes import ChooseRecipe
-from workbench.app.core.cycle.ahead import GoOn, _sees
+from workbench.app.core.cycle.ahead import GoOn, _is_view_clear
 from workbench.app.core.cycle.empty_hand import may_stir
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.parts import FindParts
@@ -119,7 +119,7 @@ def test_the_next_scan_waits_for_a_bolt_that_is_on_its_way():
     arrived = (SimpleNamespace(step=3, part=None),)
     by_recipe = {number: with_recipe(cell_file(), number) for number in (1, 2)}
     waits = {
-        number: not _sees(State(cell, phase=Phase.SENDING, receipts=arrived), wanted)
+        number: not _is_view_clear(State(cell, phase=Phase.SENDING, receipts=arrived), wanted)
         for number, cell in by_recipe.items()
     }
     assert waits == {1: False, 2: True}

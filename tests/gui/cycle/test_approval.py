@@ -227,8 +227,8 @@ def test_the_arm_that_takes_another_part_can_take_one_later(states):
     alone = replace(state, plan=replace(state.plan, arms=right))
     other = next(pick.detection for pick in state.plan.picks if pick.arm == "left")
     fates = part_fates(alone)
-    assert str(fates[2]) == "left for a later plan: 1 grasp works"
-    assert str(fates[other]) == "left: no grasp was tried"
+    assert str(fates[2]) == "Left for a later plan: 1 grasp works"
+    assert str(fates[other]) == "Not taken: no grasp was tried"
     assert str(left_message(alone)) == (
         "1 part left for a later plan; 1 part left: no grasp was tried"
     )
@@ -237,5 +237,5 @@ def test_the_arm_that_takes_another_part_can_take_one_later(states):
 def test_parts_that_no_grasp_was_tried_for_are_not_left_for_a_later_plan(states):
     state = state_with(states.planned)
     assert str(left_message(state)) == "3 parts left: no grasp was tried"
-    assert str(part_fates(state)[2]) == "left: no grasp was tried"
+    assert str(part_fates(state)[2]) == "Not taken: no grasp was tried"
     assert left_message(replace(state, candidates=None)) is None, "nothing is known of them"

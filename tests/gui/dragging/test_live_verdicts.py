@@ -204,7 +204,7 @@ def test_what_cannot_be_worked_out_is_not_shown_and_asked_no_more(found, verdict
 def test_the_words_count_every_kind(states):
     html = dragged_html(Dragged(glance(1, of=6, apart=2), HERE, states.localized))
     assert "1 of 6 work" in html
-    for kind, count in (("ok", 1), ("tool in collision", 3), ("within safety margin", 2)):
+    for kind, count in (("ok", 1), ("tool in collision", 3), ("too close", 2)):
         assert f"{kind} <b>{count}</b>" in html
     assert dragged_html(None) == ""
 

@@ -58,12 +58,13 @@ def test_a_part_that_is_left_says_why_and_what_came_farthest(states):
     )
     fates = [str(fate) for fate in part_fates(more)]
     assert fates[2] == (
-        f"left: {near.message}; {candidate.grasp_label}, {candidate.arm} arm, got farthest of 3"
+        f"Not taken: {near.message}; {candidate.grasp_label}, {candidate.arm} arm, "
+        "got farthest of 3"
     )
-    assert fates[3] == "left: no grasp was tried"
+    assert fates[3] == "Not taken: no grasp was tried"
     works = replace(tried[0], verdict=Verdict(Reason.OK, Stage.ROUTE))
     able = replace(more, candidates=(*more.candidates, works))
-    assert str(part_fates(able)[2]) == "left for a later plan: 1 grasp works"
+    assert str(part_fates(able)[2]) == "Left for a later plan: 1 grasp works"
 
 
 def test_before_a_plan_nothing_is_stated_of_parts_and_without_one_why_each_is_left(states):
@@ -71,7 +72,8 @@ def test_before_a_plan_nothing_is_stated_of_parts_and_without_one_why_each_is_le
     verdict = Verdict(Reason.NO_PATH, Stage.ROUTE)
     refused = tuple(replace(each, verdict=verdict) for each in states.planned.candidates)
     state = replace(states.planned, plan=None, proof=None, verdict=verdict, candidates=refused)
-    assert all("left: " in str(fate) and "got farthest" in str(fate) for fate in part_fates(state))
+    fates = [str(fate) for fate in part_fates(state)]
+    assert all("Not taken: " in fate and "got farthest" in fate for fate in fates)
 
 
 def test_without_a_plan_a_part_with_grasps_that_work_states_why_there_is_none(states):
@@ -80,8 +82,8 @@ def test_without_a_plan_a_part_with_grasps_that_work_states_why_there_is_none(st
     both = tuple(replace(works, detection=part) for part in (0, 1, 1))
     state = replace(planned, plan=None, proof=None, verdict=verdict, candidates=both)
     assert [str(fate) for fate in part_fates(state)] == [
-        f"left: no plan ({verdict.message}); 1 grasp works apart from that",
-        f"left: no plan ({verdict.message}); 2 grasps work apart from that",
+        f"Not taken: no plan ({verdict.message}); 1 grasp works apart from that",
+        f"Not taken: no plan ({verdict.message}); 2 grasps work apart from that",
     ]
 
 

@@ -24,6 +24,7 @@ from workbench.gui.shared.tables import (
     stages_html,
 )
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
+from workbench.model.derived.row_parts import PartFate
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
 
@@ -77,6 +78,14 @@ def test_rows_are_sorted_by_the_chosen_column(candidates, order):
     assert keys == sorted(keys, reverse=order.is_descending)
 
 
+@given(candidates=candidates_drawn.filter(bool))
+def test_the_first_refused_candidate_is_that_which_got_farthest_in_the_tab_parts(candidates):
+    refused = [candidate for candidate in candidates if not candidate.verdict.is_ok]
+    if refused:
+        first = refused[order_candidates(refused, CandidateOrder())[0]]
+        assert first is PartFate((), tuple(refused)).refused
+
+
 @given(candidates_drawn)
 def test_the_counts_of_the_funnel_are_those_of_the_verdicts(candidates):
     html = funnel_html(candidates, None, dict.fromkeys([None, *VERDICT_KINDS], "id"))
@@ -92,7 +101,7 @@ def test_a_margin_that_is_not_kept_is_no_collision(reason):
         Verdict(reason, Stage.GRASP, ("hand", "wall"), distance) for distance in (0.0014, -0.0014)
     )
     assert apart.kind is Reason.WITHIN_MARGIN and deep.kind is reason
-    assert str(apart) == "within safety margin: hand and wall, 1.4 mm apart"
+    assert str(apart) == "too close: hand and wall, 1.4 mm apart"
     assert str(deep) == f"{reason.message}: hand and wall, penetration 1.4 mm"
     assert verdict_colour(apart.kind) == BUSY
     assert verdict_colour(deep.kind) not in (BUSY, GOOD)

@@ -71,7 +71,7 @@ def test_what_a_scan_shows_beside_the_hand_stands_on_nothing(cell: Cell, plan: P
     for seen in (bar, on_floor):
         assert "held_body" in objections(cell, replace(plan, obstacles=(seen,)))
         verdict = plan_drop_back(cell, "right", q, HeldAmount.ONE, placed=(seen,)).verdict
-        assert "held_body" in str(verdict) and "seen-3" in str(verdict)
+        assert "the part in the right hand" in str(verdict) and "seen-3" in str(verdict)
 
 
 def test_what_is_held_does_not_come_to_the_arm_that_holds_it(cell: Cell, plan: Plan) -> None:

@@ -14,8 +14,8 @@ from workbench.formats.meshes.solids import read_pose, read_solid
 from workbench.model.cell import Cell, Finger, Tool
 from workbench.model.geometry import Floats, Mesh, Solid, transform
 from workbench.model.load import load_problem
+from workbench.model.messages.message import HELD_BODY
 from workbench.model.robot import Tcp, ToolSlot
-from workbench.model.tools.held_body import HELD_BODY
 from workbench.plugins.found import load, names
 from workbench.plugins.tool import made_tool
 

@@ -56,8 +56,9 @@ def sort_key(candidate: Candidate, column: Column) -> tuple[float, ...] | tuple[
         case "arm":
             return (candidate.arm,)
         case "verdict":
-            reached = len(Stage) if verdict.is_ok else list(Stage).index(verdict.stage)
-            return (float(reached), -float(list(Reason).index(verdict.reason)))
+            # As the tab Parts counts which candidate got farthest.
+            stage, distance = verdict.progress
+            return (float(len(Stage) if verdict.is_ok else stage), distance)
         case "distance":
             distance = verdict.distance
             return (float("-inf") if distance is None else distance,)

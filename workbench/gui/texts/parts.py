@@ -16,13 +16,14 @@ class PartsText(Text, subject="page-parts"):
     STORED = "stored as {path}"
     TAKEN = "the {arm} arm takes it"
     TAKEN_BY_BOTH = "{arms:and} take it, one after the other"
-    LEFT_UNTRIED = "left: no grasp was tried"
-    LEFT_FOR_LATER = "left for a later plan: {count} {count:grasp|grasps} {count:works|work}"
-    LEFT_STIRRED = "left: this plan only stirs; before it, {count} {count:grasp|grasps} worked"
+    LEFT_UNTRIED = "Not taken: no grasp was tried"
+    LEFT_FOR_LATER = "Left for a later plan: {count} {count:grasp|grasps} {count:works|work}"
+    LEFT_STIRRED = "Not taken: this plan only stirs; before it, {count} {count:grasp|grasps} worked"
     LEFT_WITHOUT_PLAN = (
-        "left: no plan ({verdict}); {count} {count:grasp|grasps} {count:works|work} apart from that"
+        "Not taken: no plan ({verdict}); {count} {count:grasp|grasps} {count:works|work} apart "
+        "from that"
     )
-    LEFT = "left: {verdict}; {grasp}, {arm} arm, got farthest of {count}"
+    LEFT = "Not taken: {verdict}; {grasp}, {arm} arm, got farthest of {count}"
 
 
 class UploadText(Text, subject="page-upload"):

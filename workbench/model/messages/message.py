@@ -34,6 +34,10 @@ GROUPED = "n"
 """How a count of thousands is shown: `12,345`."""
 
 
+HELD_BODY = "held_body"
+"""The name of the ball in a hand, and the beginning of those of the boxes around fingers."""
+
+
 @dataclass(frozen=True, slots=True)
 class FoundPart:
     """A part of a scan by its index in a list of detections; people read `part-1` for the first."""

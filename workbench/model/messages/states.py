@@ -55,6 +55,10 @@ class StateText(Text, subject="state"):
     ENDS_AFTER_TASK = "no further cycle starts after this task"
     NEXT_CYCLE = "for the next cycle: {message}"
     NO_PLAN = "no plan: {verdict}"
+    NO_DROP = (
+        "no safe way to drop back was found: take the part out by hand, then press Hands are "
+        "empty ({verdict})"
+    )
     NOT_PROVEN = "a plan was found, but its proof does not hold: {violation}"
     NO_PROOF = "a plan was found, but it has no proof"
     PLAN_READY = "plan ready: {strategy}, {cycle:s}, {clearance}"

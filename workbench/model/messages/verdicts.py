@@ -24,7 +24,7 @@ class ReasonText(Text, subject="reason"):
     NO_RETURN = "no path back"
     NO_PLACE = "no place"
     OUT_OF_TIME = "out of time"
-    WITHIN_MARGIN = "within safety margin"
+    WITHIN_MARGIN = "too close"
 
 
 class StageText(Text, subject="stage"):
@@ -41,6 +41,7 @@ class StageText(Text, subject="stage"):
 class VerdictText(Text, subject="verdict"):
     """A verdict in one sentence."""
 
+    IN_HAND = "the part in the {arm} hand"
     PAIR = "{reason}: {one} and {other}"
     APART = "{reason}: {one} and {other}, {far:mm} apart"
     PENETRATING = "{reason}: {one} and {other}, penetration {depth:mm}"

@@ -17,7 +17,7 @@ import pinocchio as pin
 from workbench.model.cell import Cell, Finger, Tool
 from workbench.model.geometry import Bools, Box, Floats, Mesh, Shape, Solid, Sphere
 from workbench.model.load import Loads, tool_load, uniform_load
-from workbench.model.messages.message import Message
+from workbench.model.messages.message import HELD_BODY, Message
 from workbench.model.messages.refusals import Refusal
 
 GRIP_ROOM = 0.01
@@ -31,9 +31,6 @@ ROUNDING = 1e-6
 
 UPRIGHT = 1.0 - 1e-9
 """The cosine of what leads up."""
-
-HELD_BODY = "held_body"
-"""The name of the ball, and the beginning of those of the boxes around fingers."""
 
 
 class HeldAmount(enum.StrEnum):

@@ -216,7 +216,7 @@ def with_drop_plan(state: State, result: PlanResult) -> State:
     """The state after a drop back was planned: with a plan the scan is void."""
     plan, proof = result.plan, result.proof
     if plan is None or proof is None:
-        return replace(state, message=StateText.NO_PLAN(verdict=result.verdict.message))
+        return replace(state, message=StateText.NO_DROP(verdict=result.verdict.message))
     message = StateText.DROP_PLANNED(
         arm=plan.strategy.arm,
         held=held_message(plan.arms[0].held),
