@@ -26,6 +26,8 @@ class PartUpload:
         self._visitor = visitor
         self.asked = ""
         """Name of the part that this browser has asked for last."""
+        self._proposed = ""
+        """Name after the file that was chosen last; a person may have typed another one."""
         gui = visitor.gui
         self._pick = CadPick(visitor, "Choose a CAD file", self._on_chosen, has_solids=True)
         self._mass = gui.add_html("")
@@ -51,14 +53,17 @@ class PartUpload:
         missing, name = "", self._name.value.strip()
         if self._pick.drawing is None:
             missing = "choose a file first"
+        elif self._pick.is_refused:
+            missing = "choose another file: nothing can be made of this one"
         elif name in {part.name for part in state.cell.parts}:
             missing = self._visitor.words.render(ChangeRefusal.PART_EXISTS(part=name))
         self._visitor.admit(self._make, state, ImportPart, otherwise=missing)
         self._pick.admit(state, ImportPart)
 
     def _on_chosen(self) -> None:
-        if not self._name.value:
-            self._name.value = free_name(PARTS, self._pick.stem)
+        if self._pick.drawing is not None and self._name.value in ("", self._proposed):
+            self._proposed = free_name(PARTS, self._pick.stem)
+            self._name.value = self._proposed
         self._show_mass()
         self.show(self._visitor.bench.state)
 

@@ -39,7 +39,7 @@ class CadPick:
 
     Concurrency: callbacks of viser, and one thread for each look.  That waits for a process of its
     own and ends it when another file or unit was chosen meanwhile, or the browser has gone;
-    `drawing` and `look` are replaced as a whole.
+    `drawing`, `look` and `is_refused` are replaced as a whole.
     """
 
     def __init__(
@@ -61,6 +61,8 @@ class CadPick:
         self._visitor, self._changed = visitor, changed
         self.drawing: CadDrawing | None = None
         self.look: CadLook | None = None
+        self.is_refused = False
+        """Whether nothing can be made of the file, as it was read."""
         gui = visitor.gui
         self._pick = gui.add_upload_button(
             label, icon=viser.Icon.UPLOAD, color="gray", hint=", ".join(CAD_ENDINGS)
@@ -140,7 +142,7 @@ class CadPick:
             return
         # Another object for each look: by it an answer that comes too late is told.
         self.drawing = CadDrawing(self.drawing.file, self.drawing.content, self.unit)
-        self.look = None
+        self.look, self.is_refused = None, False
         size = size_message(self.drawing.file, self.drawing.content.size)
         reading = self._visitor.words.render(UploadText.READING(file=size))
         self._line.content = line(reading, kind="hint")
@@ -162,6 +164,7 @@ class CadPick:
             return
         except WorkbenchError as error:
             look, text, kind = None, error.message, "bad"
+            self.is_refused = drawing is self.drawing
         except Exception:
             # A rim: what cannot be looked at can be tried all the same.
             log.exception("a CAD file could not be looked at")
