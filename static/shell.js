@@ -25,6 +25,8 @@ const line = document.getElementById("link");
 const scene = document.getElementById("scene");
 const touch = document.getElementById("touch");
 
+const LOGOUT = document.getElementById("leave-page");
+
 const SILENT = word("the server does not answer. Use the emergency stop.");
 
 let presence = null;  // the websocket that the bar hears by
@@ -126,6 +128,10 @@ function say(bar) {
   stop.disabled = !bar.can_stop;
   // The page comes anew in another language, and the stop would be away meanwhile.
   LANGUAGE.disabled = bar.can_stop;
+  // Whoever leaves while the robot moves has no Stop any more.
+  const out = LOGOUT.querySelector("button");
+  out.disabled = bar.can_stop;
+  out.title = bar.can_stop ? word("The robot moves: stop it, or wait until it stands.") : "";
   stop.title = bar.can_stop
     ? word("Asks the controller to stop and closes the link. Not a safety function: in danger use the emergency stop.")
     : bar.why;
@@ -261,6 +267,10 @@ touch.addEventListener("click", () => {
   enlarge(isLarge());
 });
 stop.addEventListener("click", halt);
+LOGOUT.addEventListener("submit", (event) => {
+  const asks = word("The link of the start opens the page once, and nobody has a password: whoever logs out comes back by a new start. Log out?");
+  if (LOGOUT.dataset.returns === "false" && !confirm(asks)) event.preventDefault();
+});
 setInterval(look, LOOK_MS);
 scene.addEventListener("load", follow);
 if (scene.contentDocument?.readyState === "complete") follow();

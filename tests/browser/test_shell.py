@@ -127,3 +127,24 @@ def test_a_stop_that_worked_leaves_it_said_that_there_is_no_connection(shell):
     expect(shell.line).to_have_text("Stopping")
     shell._come(shell._stops).fulfill(status=200, body="{}")
     expect(shell.line).to_contain_text("No connection")
+
+
+def test_nobody_logs_out_while_the_robot_moves_or_for_good_without_being_asked(shell):
+    out = shell.page.get_by_role("button", name="Log out")
+    shell.hear(SENDING)
+    expect(out).to_be_disabled()
+    shell.hear(IDLE)
+    expect(out).to_be_enabled()
+    shell.page.locator("#leave-page").evaluate("form => { form.dataset.returns = 'false'; }")
+    asked = []
+
+    def refuse(dialog):
+        asked.append(dialog.message)
+        dialog.dismiss()
+
+    shell.page.once("dialog", refuse)
+    out.click()
+    assert "Log out?" in asked[0] and shell.page.url == "http://bar.test/"
+    shell.page.once("dialog", lambda dialog: dialog.accept())
+    out.click()
+    shell.page.wait_for_url("http://bar.test/logout")

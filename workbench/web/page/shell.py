@@ -4,7 +4,7 @@ from aiohttp import web
 
 from workbench import __version__
 from workbench.model.messages.message import Message
-from workbench.web.access.identity import session_of
+from workbench.web.access.identity import ACCESS, session_of
 from workbench.web.page.languages import language_of
 from workbench.web.page.pages import Pages
 from workbench.words.words import words_of
@@ -34,6 +34,7 @@ class Shell:
                 user=person.name,
                 role=role,
                 role_said=words.say(role),
+                returns=str(request.config_dict[ACCESS].users.are_there()).lower(),
             )
         # A strict cookie does not come along on the way from another site, but it does on the
         # next step from here.
