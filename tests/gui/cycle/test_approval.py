@@ -11,6 +11,7 @@ from workbench.gui.cycle.approval import ApprovalDialog, first_share
 from workbench.gui.cycle.approval_views import facts_html
 from workbench.gui.cycle.plan_views import left_message, plan_line, unsaved_message
 from workbench.gui.parts.fates import part_fates
+from workbench.gui.shared.icons import opens_tab
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.messages.message import plain
 from workbench.model.messages.plans import PlanNote
@@ -210,7 +211,8 @@ def test_a_plan_says_why_most_of_the_other_parts_are_left(states):
     assert str(left_message(state)) == (
         "3 parts left; most frequent reason: unreachable (2, left arm)"
     )
-    assert "3 parts left; most frequent reason" in plan_line(state)
+    html = plan_line(state)
+    assert "3 parts left; most frequent reason" in html and opens_tab("Parts") in html
     both = state_with(planned, refused[0], (3, Reason.OUT_OF_REACH, "right"), last)
     assert str(left_message(both)).endswith("unreachable (2, left and right arm)")
     some = state_with(planned, (2, Reason.OK, "left"), *refused[1:], last)

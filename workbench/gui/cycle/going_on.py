@@ -110,7 +110,7 @@ def _parts_message(state: State, pile: SimulatedPile) -> Message | str:
     """What of a simulated pile the next scan shows."""
     left = left_pile(state, TakeScan(pile.seed, pile.parts, pile.part))
     if left is None:
-        return "Simulation: no part is left in the bin; the next cycle drops new parts."
+        return "Simulation: no part is left after this plan; the next cycle drops new parts."
     return CyclePageText.PARTS_STAY(count=left.left)
 
 

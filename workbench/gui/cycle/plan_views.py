@@ -6,6 +6,7 @@ from html import escape
 
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.state import State
+from workbench.gui.shared.icons import opens_tab
 from workbench.gui.shared.views import hint, line, message_text, mm, sentence
 from workbench.gui.texts.approval import ApprovalText
 from workbench.gui.texts.cycle import CyclePageText
@@ -61,7 +62,11 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
     rests = words.render(None if unsaved is None else ApprovalText.RESTS_ON(changes=unsaved))
     warning = line(rests, kind="warn", tip=rests) if rests else ""
     left = left_message(state)
-    why_left = "" if left is None else line(sentence(words.render(left)), kind="hint")
+    why_left = ""
+    if left is not None:
+        # The rows of the parts give the reason of each.
+        shown = line(sentence(words.render(left)), kind="hint")
+        why_left = f'<div class="wb-span3 wb-opens" {opens_tab("Parts")}>{shown}</div>'
     return _card(state, plan, proof, words) + why_left + line(text, kind=kind, tip=text) + warning
 
 

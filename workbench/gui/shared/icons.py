@@ -1,4 +1,4 @@
-"""The icons of tabs and buttons, read from viser's archive once and kept.
+"""The icons of tabs and buttons, read from viser's archive once and kept; what opens a tab.
 
 viser 1.1.1 keeps 32 icons and reads the directory of its archive, some four thousand entries, for
 every other one.  The page shows more kinds than that, each in the same order for each browser: none
@@ -13,6 +13,7 @@ import functools
 import io
 import zipfile
 from collections.abc import Mapping
+from html import escape
 from typing import Any
 
 import viser
@@ -56,3 +57,13 @@ def svg_of(name: str) -> str:
 @functools.cache
 def _archive() -> zipfile.ZipFile:
     return zipfile.ZipFile(io.BytesIO((_icons.ICONS_DIR / "tabler-icons.zip").read_bytes()))
+
+
+def opens_tab(title: str) -> str:
+    """Attributes of an element on which a click, Enter or the space bar opens that tab."""
+    # Tabs hear no click that a script makes, but what a person's Enter does.
+    enter = "new KeyboardEvent('keydown',{key:'Enter',bubbles:true})"
+    tab = f"[role=tab]:has(.icon-tabler-{escape(TAB_ICONS[title])})"
+    press = f"document.querySelector('{tab}')?.dispatchEvent({enter})"
+    key = f"if(event.key==='Enter'||event.key===' '){{event.preventDefault();{press}}}"
+    return f'tabindex="0" role="button" onclick="{press}" onkeydown="{key}"'

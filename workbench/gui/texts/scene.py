@@ -14,12 +14,12 @@ class NearestText(Text, subject="page-nearest"):
     OTHER_ARM = "the {arm} arm is then at its target of {time:s2}"
     REQUIRED = "required: {margin:mm}"
     LINEAR = (
-        "{near}, {arm} arm on {leg} (required: {margin:mm}, checked to within {resolution:mm}; "
-        "without the part taken and its support)"
+        "{near}, {arm} arm on {leg} (required, and kept where checked: {margin:mm}; between "
+        "checks proven to within {resolution:mm}; without the part taken and its support)"
     )
     AT_SLOT = (
-        "{near}, {arm} arm on {leg} (required: {margin:mm}, checked to within {resolution:mm}; "
-        "without tool and flange in the slot)"
+        "{near}, {arm} arm on {leg} (required, and kept where checked: {margin:mm}; between "
+        "checks proven to within {resolution:mm}; without tool and flange in the slot)"
     )
     PLANS = "plan {number}"
     CERTIFICATE = "certificate-{digest}.json"
