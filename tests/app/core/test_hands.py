@@ -65,6 +65,18 @@ def test_parts_that_were_all_placed_leave_no_hand_open_though_the_cell_changes(c
     assert line.ended(samples.scan(1)).hands_open == ()
 
 
+def test_a_link_that_reports_no_parts_leaves_no_hand_in_doubt_when_its_plan_has_ended(
+    cell, samples
+):
+    line = Line(cell)
+    send(line, samples)
+    assert arms_that_may_hold(line.state), "while the robot moves"
+    line.do(LinkEnded(parts=(PartReport("right", 0, None),)))
+    assert not arms_that_may_hold(line.state) and not may_hold(line.state)
+    send(line, samples)
+    assert line.state.phase is Phase.SENDING, "the next cycle is approved as ever"
+
+
 def test_a_part_that_was_not_picked_leaves_the_other_hand_empty(samples):
     line = two_arms_on_their_way()
     reports = (PartReport("right", 0, True), PartReport("left", 1, False))

@@ -16,6 +16,7 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.drop_back import ConfirmHandsEmpty
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
 from workbench.extras.evidence import verify
@@ -112,6 +113,7 @@ def test_an_honest_session_does_not_contradict_itself(cell, samples, tmp_path, p
             bench.do(SendPlan(result.plan.digest), "ada")
             bench.do(LinkEnded("it broke"), "robot link")
             bench.do(AcknowledgeFault(), "ada")
+            bench.do(ConfirmHandsEmpty(), "ada")
             entries = [
                 verify.JournalEntry(
                     row.number, row.kind, row.body, row.files, row.previous, row.hash

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.picks import Outcome
 from workbench.app.core.state import Phase, State, is_remembered, sent_for
-from workbench.model.derived.row_parts import count_taken, parts_taken
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
@@ -104,16 +104,12 @@ def _still_holding(state: State) -> Iterator[Taken]:
     sent = sent_for(state)
     if sent is None or not sent.plans:
         return
-    are_placed = sent.is_over and sent.placed >= count_taken(sent.plans)
     for taken in _parts_not_let_go(state):
         outcome = taken.outcome
         became = None if outcome is None else outcome.became
         is_felt = outcome is not None and (outcome.is_early or outcome.by == ROBOT_LINK)
-        if (
-            became is PickResult.DOUBLE
-            or (became is None and not are_placed)
-            or (became is PickResult.PICKED and is_felt and not taken.is_over)
-        ):
+        may_stay = became is None or (became is PickResult.PICKED and is_felt)
+        if became is PickResult.DOUBLE or (may_stay and not taken.is_over):
             yield taken
 
 
