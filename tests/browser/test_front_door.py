@@ -242,7 +242,7 @@ def test_stop_robot_fault_and_mode_are_at_the_same_place_on_every_tab_and_at_eve
     window.sees_the_scene()
     page, stop = window.page, window.page.locator("#stop")
     expect(stop).to_be_disabled()
-    expect(page.locator("#robot")).to_have_text("Robot: stands")
+    expect(page.locator("#robot")).to_have_text("Simulated robot: stands")
     expect(page.locator("#mode")).to_have_text("Live")
     sent(bench, reaches)
     wait(lambda: bench.live.link.step > 0, "the robot to move")
